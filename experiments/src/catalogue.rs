@@ -1,0 +1,269 @@
+//! What the laboratory can show, described as data.
+//!
+//! `stimuli` knows scenes and renderers; this crate knows none of them by name. The lab builds a [`Catalogue`] from the
+//! registries of `stimuli` and hands it to [`crate::study`], so that a study is checked against what really exists.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// Everything that a study may name.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Catalogue {
+    /// Scenes, in the order in which they are listed to users.
+    pub scenes: Vec<SceneInfo>,
+    /// Renderers, the full-resolution reference among them.
+    pub renderers: Vec<RendererInfo>,
+}
+
+/// A scene, as studies see it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SceneInfo {
+    /// Name used in studies and on the command line.
+    pub id: String,
+    /// Changes whenever the same parameters would give another picture.
+    pub version: u32,
+    /// One sentence for users.
+    pub about: String,
+    /// What may be set, with units and bounds.
+    pub parameters: Vec<ParameterSchema>,
+    /// Whether the picture changes with the animation time.
+    pub animated: bool,
+}
+
+/// A renderer, as studies see it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RendererInfo {
+    /// Name used in studies and on the command line.
+    pub id: String,
+    /// Changes whenever the same parameters would give another picture.
+    pub version: u32,
+    /// One sentence for users.
+    pub about: String,
+    /// The work it comes from, empty for our own.
+    pub source: String,
+    /// What may be set, with units and bounds.
+    pub parameters: Vec<ParameterSchema>,
+}
+
+/// One parameter of a scene or renderer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterSchema {
+    /// Name, with its unit as a suffix where it has one (`eccentricity_deg`).
+    pub name: String,
+    /// One sentence for users.
+    pub about: String,
+    /// What values it takes.
+    pub kind: ParameterKind,
+}
+
+/// The values a parameter takes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum ParameterKind {
+    /// A real number.
+    Number {
+        /// Unit for display, empty for a pure number.
+        unit: String,
+        /// Smallest accepted value.
+        min: f64,
+        /// Largest accepted value.
+        max: f64,
+        /// Value when the study says nothing.
+        default: f64,
+    },
+    /// One of a list of names.
+    Choice {
+        /// The names.
+        options: Vec<String>,
+        /// Value when the study says nothing.
+        default: String,
+    },
+}
+
+/// The value of one parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ParameterValue {
+    /// A number, in the parameter's unit.
+    Number(f64),
+    /// A name.
+    Text(String),
+}
+
+/// Values by parameter name.
+pub type Parameters = BTreeMap<String, ParameterValue>;
+
+impl fmt::Display for ParameterValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) => write!(f, "{value}"),
+            Self::Text(value) => write!(f, "\"{value}\""),
+        }
+    }
+}
+
+/// Why a parameter was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{name}: expected {expected}, found {found}")]
+pub struct ParameterError {
+    /// The parameter at fault.
+    pub name: String,
+    /// What would have been accepted.
+    pub expected: String,
+    /// What was there.
+    pub found: String,
+}
+
+impl ParameterSchema {
+    /// A number with its unit, bounds and default.
+    #[must_use]
+    pub fn number(name: &str, unit: &str, bounds: std::ops::RangeInclusive<f64>, default: f64, about: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            about: about.to_owned(),
+            kind: ParameterKind::Number {
+                unit: unit.to_owned(),
+                min: *bounds.start(),
+                max: *bounds.end(),
+                default,
+            },
+        }
+    }
+
+    /// A choice among names; the first is the default.
+    #[must_use]
+    pub fn choice(name: &str, options: &[&str], about: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            about: about.to_owned(),
+            kind: ParameterKind::Choice {
+                options: options.iter().map(|&o| o.to_owned()).collect(),
+                default: options.first().map_or_else(String::new, |&o| o.to_owned()),
+            },
+        }
+    }
+
+    /// The value when none is given.
+    #[must_use]
+    pub fn default_value(&self) -> ParameterValue {
+        match &self.kind {
+            ParameterKind::Number { default, .. } => ParameterValue::Number(*default),
+            ParameterKind::Choice { default, .. } => ParameterValue::Text(default.clone()),
+        }
+    }
+
+    /// What the parameter accepts, in words.
+    #[must_use]
+    pub fn expectation(&self) -> String {
+        match &self.kind {
+            ParameterKind::Number { unit, min, max, .. } => {
+                let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+                format!("a number from {min} to {max}{unit}")
+            }
+            ParameterKind::Choice { options, .. } => format!("one of {}", options.join(", ")),
+        }
+    }
+
+    /// Checks one value.
+    ///
+    /// # Errors
+    /// When the value is of the wrong kind or out of bounds.
+    pub fn check(&self, value: &ParameterValue) -> Result<(), ParameterError> {
+        let accepted = match (&self.kind, value) {
+            (ParameterKind::Number { min, max, .. }, ParameterValue::Number(value)) => (*min..=*max).contains(value),
+            (ParameterKind::Choice { options, .. }, ParameterValue::Text(value)) => options.contains(value),
+            _ => false,
+        };
+        if accepted {
+            Ok(())
+        } else {
+            Err(ParameterError {
+                name: self.name.clone(),
+                expected: self.expectation(),
+                found: value.to_string(),
+            })
+        }
+    }
+}
+
+/// Fills in defaults and checks every value against `schemas`.
+///
+/// # Errors
+/// One [`ParameterError`] for each unknown name and each refused value.
+pub fn complete_parameters(
+    schemas: &[ParameterSchema],
+    given: &Parameters,
+) -> Result<Parameters, Vec<ParameterError>> {
+    let mut errors: Vec<ParameterError> = given
+        .iter()
+        .filter_map(|(name, value)| match schemas.iter().find(|schema| &schema.name == name) {
+            Some(schema) => schema.check(value).err(),
+            None => Some(ParameterError {
+                name: name.clone(),
+                expected: format!(
+                    "one of the parameters {}",
+                    schemas.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", ")
+                ),
+                found: format!("the unknown name \"{name}\""),
+            }),
+        })
+        .collect();
+    if errors.is_empty() {
+        let mut complete = given.clone();
+        for schema in schemas {
+            complete.entry(schema.name.clone()).or_insert_with(|| schema.default_value());
+        }
+        Ok(complete)
+    } else {
+        errors.sort_by(|a, b| a.name.cmp(&b.name));
+        Err(errors)
+    }
+}
+
+impl Catalogue {
+    /// The scene of this name.
+    #[must_use]
+    pub fn scene(&self, id: &str) -> Option<&SceneInfo> {
+        self.scenes.iter().find(|scene| scene.id == id)
+    }
+
+    /// The renderer of this name.
+    #[must_use]
+    pub fn renderer(&self, id: &str) -> Option<&RendererInfo> {
+        self.renderers.iter().find(|renderer| renderer.id == id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn schemas() -> Vec<ParameterSchema> {
+        vec![
+            ParameterSchema::number("mar_deg", "°/cycle", 0.01..=10.0, 0.1, "detail limit"),
+            ParameterSchema::choice("image", &["coffee", "chelsea"], "photograph"),
+        ]
+    }
+
+    #[test]
+    fn defaults_fill_what_is_not_given() {
+        let given = Parameters::from([("mar_deg".to_owned(), ParameterValue::Number(0.5))]);
+        let complete = complete_parameters(&schemas(), &given).expect("valid");
+        assert_eq!(complete["mar_deg"], ParameterValue::Number(0.5));
+        assert_eq!(complete["image"], ParameterValue::Text("coffee".to_owned()));
+    }
+
+    #[test]
+    fn every_refusal_is_reported() {
+        let given = Parameters::from([
+            ("mar_deg".to_owned(), ParameterValue::Number(f64::NAN)),
+            ("image".to_owned(), ParameterValue::Number(1.0)),
+            ("colour".to_owned(), ParameterValue::Text("red".to_owned())),
+        ]);
+        let errors = complete_parameters(&schemas(), &given).expect_err("three faults");
+        assert_eq!(errors.len(), 3);
+        assert!(errors.iter().any(|e| e.expected.contains("0.01 to 10 °/cycle")));
+    }
+}

@@ -1,0 +1,52 @@
+//! Procedures: how the next level is chosen from what has been answered so far.
+//!
+//! One file for each procedure. All are pure and deterministic in their random stream, so that a resumed session, which
+//! replays its journal, goes on exactly where it stopped.
+
+pub mod constant;
+pub mod mar_quest_plus;
+pub mod quest_plus;
+
+use crate::study::plan::{Level, ProcedurePlan};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Chooses levels.
+pub trait Procedure: std::fmt::Debug {
+    /// The level of the next trial. Called only while [`Procedure::finished`] is false.
+    fn level(&mut self, rng: &mut ChaCha8Rng) -> Level;
+
+    /// Takes in a completed trial.
+    fn update(&mut self, level: &Level, correct: bool);
+
+    /// Takes back a level whose trial was not completed, to be shown again.
+    fn put_back(&mut self, level: Level, rng: &mut ChaCha8Rng);
+
+    /// Whether the block is over.
+    fn finished(&self) -> bool;
+
+    /// What is known so far, by quantity; empty for a procedure that estimates nothing.
+    fn estimate(&self) -> Estimate;
+}
+
+/// Posterior mean and standard deviation by quantity name (`m`, `omega0_deg`, …).
+pub type Estimate = BTreeMap<String, Belief>;
+
+/// What a procedure believes about one quantity.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Belief {
+    /// Posterior mean.
+    pub mean: f64,
+    /// Posterior standard deviation.
+    pub sd: f64,
+}
+
+/// Starts the procedure that a plan asks for.
+#[must_use]
+pub fn start(plan: &ProcedurePlan, rng: &mut ChaCha8Rng) -> Box<dyn Procedure> {
+    match plan {
+        ProcedurePlan::Constant(plan) => Box::new(constant::Constant::new(plan, rng)),
+        ProcedurePlan::QuestPlus(plan) => Box::new(mar_quest_plus::MarQuestPlus::new(plan)),
+    }
+}

@@ -1,0 +1,390 @@
+//! What a plan will do, before anybody is asked to sit through it.
+//!
+//! [`describe`] computes, [`Description`] is the result as data (for `--json`) and as text of at most 100 columns (for
+//! a terminal). Durations assume [`ANSWER_S`] for every answer and leave out pages, breaks and aborted trials.
+
+use super::plan::{BlockPlan, Plan, ProcedurePlan, ProtocolPlan, StopRule};
+use super::validate::finest_mar_around;
+use crate::display::Display;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// The time a typical answer is taken to need, in seconds, where durations are foretold.
+pub const ANSWER_S: f64 = 1.0;
+
+/// What a study will do on its display.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Description {
+    /// The study's short name.
+    pub study: String,
+    /// Its title.
+    pub title: String,
+    /// What it is for.
+    pub about: String,
+    /// The display and what it can show.
+    pub display: DisplayDescription,
+    /// Where observers look, degrees from the display's centre.
+    pub fixation_deg: [f64; 2],
+    /// Radius of the fixation gate in degrees, if there is one.
+    pub gate_deg: Option<f64>,
+    /// How long gaze may leave the gate, in seconds.
+    pub gate_grace_s: Option<f64>,
+    /// Pages of instructions before the first block.
+    pub instruction_pages: usize,
+    /// The blocks in order.
+    pub blocks: Vec<BlockDescription>,
+    /// All blocks together.
+    pub total: Effort,
+}
+
+/// A display in the units of vision.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DisplayDescription {
+    /// Its name.
+    pub name: String,
+    /// Width and height in pixels.
+    pub resolution_px: [u32; 2],
+    /// Width and height in millimetres.
+    pub size_mm: [f64; 2],
+    /// Distance to the eye in millimetres.
+    pub distance_mm: f64,
+    /// Refresh rate in hertz.
+    pub refresh_hz: f64,
+    /// Width and height of the field of view in degrees.
+    pub size_deg: [f64; 2],
+    /// Pixels per degree at the centre.
+    pub px_per_deg: f64,
+    /// The finest MAR at the centre, degrees per cycle.
+    pub finest_mar_deg: f64,
+}
+
+/// Trials and minutes.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Effort {
+    /// The fewest completed trials.
+    pub trials_min: u64,
+    /// The most completed trials.
+    pub trials_max: u64,
+    /// Minutes for the fewest trials.
+    pub minutes_min: f64,
+    /// Minutes for the most trials.
+    pub minutes_max: f64,
+}
+
+/// What one block will do.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlockDescription {
+    /// Its name.
+    pub name: String,
+    /// Whether it is practice.
+    pub practice: bool,
+    /// The condition's name.
+    pub condition: String,
+    /// Scene with its parameters, in words.
+    pub scene: String,
+    /// Renderer with its parameters, in words; those that levels set are left out.
+    pub renderer: String,
+    /// The protocol with its timing, in words.
+    pub protocol: String,
+    /// One trial in seconds, with an answer after [`ANSWER_S`].
+    pub trial_s: f64,
+    /// The procedure, in words.
+    pub procedure: String,
+    /// Trials and minutes.
+    #[serde(flatten)]
+    pub effort: Effort,
+    /// Levels that may be shown.
+    pub levels: usize,
+    /// Pairs of eccentricity and MAR left out because the display cannot show them.
+    pub levels_beyond_display: usize,
+    /// The finest and the coarsest MAR among the levels, degrees per cycle, if they set it.
+    pub mar_deg: Option<[f64; 2]>,
+    /// What each eccentricity can show, if levels set it.
+    pub eccentricities: Vec<EccentricityDescription>,
+    /// When the block ends, in words.
+    pub stop: String,
+    /// A break after so many trials.
+    pub break_every_trials: Option<u32>,
+}
+
+/// What the display shows at one eccentricity.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EccentricityDescription {
+    /// Eccentricity around the fixation mark, degrees.
+    pub eccentricity_deg: f64,
+    /// The share of the ring that is on the display, 0–1.
+    pub visible_share: f64,
+    /// The finest MAR that the display can show there, degrees per cycle.
+    pub finest_mar_deg: f64,
+    /// The levels at this eccentricity.
+    pub levels: usize,
+}
+
+/// Says what a plan will do.
+#[must_use]
+pub fn describe(plan: &Plan) -> Description {
+    let blocks: Vec<BlockDescription> = plan.blocks.iter().map(|block| describe_block(block, plan)).collect();
+    let total = blocks.iter().fold(Effort::default(), |total, block| Effort {
+        trials_min: total.trials_min + block.effort.trials_min,
+        trials_max: total.trials_max + block.effort.trials_max,
+        minutes_min: total.minutes_min + block.effort.minutes_min,
+        minutes_max: total.minutes_max + block.effort.minutes_max,
+    });
+    Description {
+        study: plan.name.clone(),
+        title: plan.title.clone(),
+        about: plan.about.clone(),
+        display: describe_display(&plan.display),
+        fixation_deg: plan.gaze.fixation_deg,
+        gate_deg: plan.gaze.gate.map(|gate| gate.radius_deg),
+        gate_grace_s: plan.gaze.gate.map(|gate| gate.grace_s),
+        instruction_pages: plan.texts.instructions.len(),
+        blocks,
+        total,
+    }
+}
+
+fn describe_display(display: &Display) -> DisplayDescription {
+    DisplayDescription {
+        name: display.name().to_owned(),
+        resolution_px: display.resolution_px(),
+        size_mm: display.size_mm(),
+        distance_mm: display.distance_mm(),
+        refresh_hz: display.refresh_hz(),
+        size_deg: display.half_field_deg().map(|half| 2.0 * half),
+        px_per_deg: 1.0 / display.pixel_deg([0.0, 0.0]),
+        finest_mar_deg: display.finest_mar_deg([0.0, 0.0]),
+    }
+}
+
+fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
+    let ProtocolPlan::TwoInterval(timing) = &block.protocol;
+    let feedback_s = if block.practice { timing.feedback_s } else { 0.0 };
+    let trial_s = block.protocol.trial_s(ANSWER_S) + feedback_s;
+    let mut protocol = format!(
+        "two intervals: fixation {} s, {} s each, gap {} s, answer ",
+        timing.fixation_s, timing.interval_s, timing.gap_s
+    );
+    protocol.push_str(&match timing.answer_timeout_s {
+        Some(timeout_s) => format!("within {timeout_s} s"),
+        None => "without limit".to_owned(),
+    });
+    if block.practice {
+        protocol.push_str(&format!(", feedback {} s", timing.feedback_s));
+    }
+
+    let (procedure, stop, levels_beyond_display) = match &block.procedure {
+        ProcedurePlan::Constant(constant) => {
+            let procedure = format!("constant stimuli, {} × each level", constant.repetitions);
+            (procedure, "after every level has had its repetitions".to_owned(), 0)
+        }
+        ProcedurePlan::QuestPlus(quest) => {
+            let points = quest.m.len() * quest.omega0_deg.len() * quest.width.len() * quest.lapse.len();
+            (
+                format!("QUEST+ over the MAR model, {points} grid points"),
+                stop_in_words(&quest.stop),
+                quest.levels_beyond_display,
+            )
+        }
+    };
+
+    let levels = block.procedure.levels();
+    let axes = block.procedure.axes();
+    let minutes = |trials: u32| f64::from(trials) * trial_s / 60.0;
+    let (trials_min, trials_max) = (block.procedure.min_trials(), block.procedure.max_trials());
+    BlockDescription {
+        name: block.name.clone(),
+        practice: block.practice,
+        condition: block.condition.name.clone(),
+        scene: with_parameters(&block.condition.scene, &block.condition.scene_parameters, |_| true),
+        renderer: with_parameters(&block.condition.renderer, &block.condition.renderer_parameters, |name| {
+            !levels.iter().any(|level| level.contains_key(name))
+        }),
+        protocol,
+        trial_s,
+        procedure,
+        effort: Effort {
+            trials_min: u64::from(trials_min),
+            trials_max: u64::from(trials_max),
+            minutes_min: minutes(trials_min),
+            minutes_max: minutes(trials_max),
+        },
+        levels: levels.len(),
+        levels_beyond_display,
+        mar_deg: extent(levels.iter().filter_map(|level| level.get(&axes.mar).copied())),
+        eccentricities: describe_eccentricities(block, plan),
+        stop,
+        break_every_trials: block.break_every_trials,
+    }
+}
+
+fn describe_eccentricities(block: &BlockPlan, plan: &Plan) -> Vec<EccentricityDescription> {
+    let name = &block.procedure.axes().eccentricity;
+    let mut eccentricities: Vec<f64> = block.procedure.levels().iter().filter_map(|l| l.get(name).copied()).collect();
+    eccentricities.sort_by(f64::total_cmp);
+    eccentricities
+        .chunk_by(|a, b| a.total_cmp(b).is_eq())
+        .filter_map(|same| Some((*same.first()?, same.len())))
+        .map(|(eccentricity_deg, levels)| EccentricityDescription {
+            eccentricity_deg,
+            visible_share: plan.display.visible_share(plan.gaze.fixation_deg, eccentricity_deg),
+            finest_mar_deg: finest_mar_around(&plan.display, plan.gaze.fixation_deg, eccentricity_deg),
+            levels,
+        })
+        .collect()
+}
+
+fn stop_in_words(stop: &StopRule) -> String {
+    let rules: Vec<String> = [("m", stop.m_relative_sd), ("omega0", stop.omega0_relative_sd)]
+        .into_iter()
+        .filter_map(|(name, sd)| Some(format!("{name} is known to {:.3} %", 100.0 * sd?)))
+        .map(|rule| rule.replace(".000", ""))
+        .collect();
+    match rules.is_empty() {
+        true => format!("after {} trials", stop.max_trials),
+        false => format!(
+            "after {} trials, or from {} on when {} (posterior SD / mean)",
+            stop.max_trials,
+            stop.min_trials,
+            rules.join(" and ")
+        ),
+    }
+}
+
+fn with_parameters<V: fmt::Display>(id: &str, parameters: &BTreeMap<String, V>, keep: impl Fn(&str) -> bool) -> String {
+    let shown: Vec<String> =
+        parameters.iter().filter(|(name, _)| keep(name)).map(|(name, value)| format!("{name} {value}")).collect();
+    match shown.is_empty() {
+        true => id.to_owned(),
+        false => format!("{id} ({})", shown.join(", ")),
+    }
+}
+
+fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |extent, value| match extent {
+        None => Some([value, value]),
+        Some([low, high]) => Some([value.min(low), value.max(high)]),
+    })
+}
+
+impl fmt::Display for Effort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.trials_min == self.trials_max {
+            write!(f, "{} trials, about {:.1} min", self.trials_max, self.minutes_max)
+        } else {
+            write!(
+                f,
+                "{}–{} trials, about {:.1}–{:.1} min",
+                self.trials_min, self.trials_max, self.minutes_min, self.minutes_max
+            )
+        }
+    }
+}
+
+impl fmt::Display for Description {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} – {}", self.study, self.title)?;
+        wrapped(f, "  ", &self.about)?;
+        writeln!(f, "\n{}", self.display)?;
+        let [x, y] = self.fixation_deg;
+        write!(f, "Gaze      fixation at ({x}°, {y}°)")?;
+        match (self.gate_deg, self.gate_grace_s) {
+            (Some(radius), Some(grace)) => writeln!(f, ", gate of {radius}° with {grace} s of grace")?,
+            _ => writeln!(f, ", no gate")?,
+        }
+        for (index, block) in self.blocks.iter().enumerate() {
+            writeln!(
+                f,
+                "\nBlock {}   {}{}",
+                index + 1,
+                block.name,
+                if block.practice && block.name != "practice" { " (practice)" } else { "" }
+            )?;
+            write!(f, "{block}")?;
+        }
+        let blocks = if self.blocks.len() == 1 { "block" } else { "blocks" };
+        writeln!(f, "\nIn all    {} {blocks}, {}", self.blocks.len(), self.total)?;
+        write!(f, "          (an answer is taken to need {ANSWER_S} s; pages, breaks and aborted trials come on top)")
+    }
+}
+
+impl fmt::Display for DisplayDescription {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([w, h], [w_mm, h_mm], [w_deg, h_deg]) = (self.resolution_px, self.size_mm, self.size_deg);
+        writeln!(
+            f,
+            "Display   {}: {w} × {h} px, {w_mm:.0} × {h_mm:.0} mm from {:.0} mm, {} Hz",
+            self.name, self.distance_mm, self.refresh_hz
+        )?;
+        write!(
+            f,
+            "          {w_deg:.1}° × {h_deg:.1}°, {:.1} px per degree, finest MAR {:.4}° per cycle at the centre",
+            self.px_per_deg, self.finest_mar_deg
+        )
+    }
+}
+
+impl fmt::Display for BlockDescription {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "  shows   {}: {} under {}", self.condition, self.scene, self.renderer)?;
+        wrapped(f, "  asks    ", &self.protocol)?;
+        writeln!(f, "  by      {}", self.procedure)?;
+        write!(f, "  trials  {}", self.effort)?;
+        match self.break_every_trials {
+            Some(every) => writeln!(f, ", a break every {every} trials")?,
+            None => writeln!(f)?,
+        }
+        wrapped(f, "  ends    ", &self.stop)?;
+        write!(f, "  levels  {}", self.levels)?;
+        match self.mar_deg {
+            Some([fine, coarse]) if fine < coarse => write!(f, ", MAR {fine:.4}–{coarse:.4}° per cycle")?,
+            Some([only, _]) => write!(f, ", MAR {only:.4}° per cycle")?,
+            None => {}
+        }
+        if self.levels_beyond_display > 0 {
+            write!(f, "; {} finer than the display can show are left out", self.levels_beyond_display)?;
+        }
+        writeln!(f)?;
+        if !self.eccentricities.is_empty() {
+            writeln!(f, "          eccentricity   ring on display   finest MAR   levels")?;
+        }
+        for row in &self.eccentricities {
+            writeln!(
+                f,
+                "          {:>11.1}° {:>15.0} % {:>11.4}° {:>8}",
+                row.eccentricity_deg,
+                100.0 * row.visible_share,
+                row.finest_mar_deg,
+                row.levels
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Writes words in lines of at most 98 columns, the first after `label`, the others as far in.
+fn wrapped(f: &mut fmt::Formatter<'_>, label: &str, text: &str) -> fmt::Result {
+    const COLUMNS: usize = 98;
+    let indent = label.chars().count();
+    let mut line = label.to_owned();
+    let mut column = indent;
+    for word in text.split_whitespace() {
+        let width = word.chars().count();
+        if column > indent && column + 1 + width > COLUMNS {
+            writeln!(f, "{}", line.trim_end())?;
+            line = " ".repeat(indent);
+            column = indent;
+        }
+        if column > indent {
+            line.push(' ');
+            column += 1;
+        }
+        line.push_str(word);
+        column += width;
+    }
+    if column > indent {
+        writeln!(f, "{line}")?;
+    }
+    Ok(())
+}
