@@ -1,12 +1,17 @@
 //! QUEST+ over the MAR model itself: it places eccentricity and omega together to learn m and omega0.
 //!
 //! The stimulus is a pair (eccentricity, omega); the parameters are m, omega0, width and lapse. One line through all
-//! eccentricities is learned at once, instead of a threshold at each (READINGS of the likelihood: [`MarModel`]).
+//! eccentricities is learned at once, instead of a threshold at each; the likelihood is [`MarModel`]'s.
+//!
+//! Left free, the procedure asks at the two ends of the range, where a line is learned fastest, and leaves nothing to
+//! tell whether it is a line at all. A balanced plan therefore fixes the eccentricities, each equally often in shuffled
+//! rounds, and leaves only omega to the procedure.
 
 use super::quest_plus::QuestPlus;
 use super::{Belief, Estimate, Procedure};
 use crate::mar::MarModel;
 use crate::study::plan::{Level, QuestPlusPlan};
+use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 /// Guess rate of a two-alternative forced choice.
@@ -19,6 +24,10 @@ pub struct MarQuestPlus {
     engine: QuestPlus,
     /// The parameter values, in the engine's order.
     models: Vec<MarModel>,
+    /// Indices of the levels at each eccentricity.
+    groups: Vec<Vec<usize>>,
+    /// Groups still to come in this round, the next one last; unused when not balanced.
+    round: Vec<usize>,
     completed: u32,
 }
 
@@ -45,7 +54,15 @@ impl MarQuestPlus {
         let engine = QuestPlus::new(stimuli.len(), vec![1.0; models.len()], |s, t| {
             models[t].probability_correct(stimuli[s].0, stimuli[s].1, GUESS)
         });
-        Self { plan: plan.clone(), engine, models, completed: 0 }
+        let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
+        for (index, &(eccentricity, _)) in stimuli.iter().enumerate() {
+            match groups.iter_mut().find(|(e, _)| *e == eccentricity) {
+                Some((_, members)) => members.push(index),
+                None => groups.push((eccentricity, vec![index])),
+            }
+        }
+        let groups = groups.into_iter().map(|(_, members)| members).collect();
+        Self { plan: plan.clone(), engine, models, groups, round: Vec::new(), completed: 0 }
     }
 
     fn belief(&self, of: impl Fn(&MarModel) -> f64) -> Belief {
@@ -58,18 +75,30 @@ impl MarQuestPlus {
 }
 
 impl Procedure for MarQuestPlus {
-    fn level(&mut self, _rng: &mut ChaCha8Rng) -> Level {
-        self.plan.levels.get(self.engine.best_stimulus()).cloned().unwrap_or_default()
+    fn level(&mut self, rng: &mut ChaCha8Rng) -> Level {
+        let best = if self.plan.balanced {
+            if self.round.is_empty() {
+                self.round = (0..self.groups.len()).collect();
+                self.round.shuffle(rng);
+            }
+            let group = self.round.last().and_then(|&group| self.groups.get(group));
+            group.and_then(|group| self.engine.best_among(group.iter().copied()))
+        } else {
+            self.engine.best_among(0..self.plan.levels.len())
+        };
+        best.and_then(|best| self.plan.levels.get(best)).cloned().unwrap_or_default()
     }
 
     fn update(&mut self, level: &Level, correct: bool) {
         self.completed += 1;
+        self.round.pop();
         if let Some(stimulus) = self.plan.levels.iter().position(|candidate| candidate == level) {
             self.engine.update(stimulus, correct);
         }
     }
 
-    /// Nothing to do: an unanswered level has taught nothing, so it is still the best one to show.
+    /// Nothing to do: an unanswered level has taught nothing, so it is still the best one to show, and its eccentricity is
+    /// still the next.
     fn put_back(&mut self, _level: Level, _rng: &mut ChaCha8Rng) {}
 
     fn finished(&self) -> bool {
@@ -117,6 +146,7 @@ mod tests {
             levels,
             levels_beyond_display: 0,
             axes: MarAxes::default(),
+            balanced: false,
             m: log_grid(0.005, 0.08, 15),
             omega0_deg: log_grid(0.005, 0.08, 15),
             width: log_grid(0.3, 1.5, 3),
@@ -150,6 +180,27 @@ mod tests {
                 assert!((belief.mean - truth).abs() < 4.0 * belief.sd, "seed {seed} {name} {belief:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_balanced_plan_asks_at_every_eccentricity_equally_often_though_trials_abort() {
+        let stop = StopRule { max_trials: 80, min_trials: 1, m_relative_sd: None, omega0_relative_sd: None };
+        let mut procedure = MarQuestPlus::new(&QuestPlusPlan { balanced: true, ..plan(stop) });
+        let mut rng = Stream::Procedure.generator(9);
+        let mut counts = std::collections::BTreeMap::new();
+        let mut shown = 0;
+        while !procedure.finished() {
+            let level = procedure.level(&mut rng);
+            shown += 1;
+            if shown % 3 == 0 {
+                procedure.put_back(level, &mut rng);
+                continue;
+            }
+            *counts.entry(format!("{}", level["eccentricity_deg"])).or_insert(0) += 1;
+            procedure.update(&level, level["mar_deg"] > 0.022 * level["eccentricity_deg"] + 0.021);
+        }
+        assert_eq!(counts.len(), 4);
+        assert!(counts.values().all(|&n| n == 20), "{counts:?}");
     }
 
     #[test]

@@ -10,7 +10,6 @@
 /// Tables, posterior and choice.
 #[derive(Debug, Clone)]
 pub struct QuestPlus {
-    stimuli: usize,
     /// ψ, row by row: one row a stimulus, one column a parameter value.
     success: Vec<f64>,
     /// h(ψ), laid out like `success`.
@@ -37,7 +36,7 @@ impl QuestPlus {
             table.extend((0..parameters).map(|t| success(s, t).clamp(0.0, 1.0)));
         }
         let outcome_entropy = table.iter().map(|&psi| coin_entropy(psi)).collect();
-        let mut engine = Self { stimuli, success: table, outcome_entropy, posterior: prior };
+        let mut engine = Self { success: table, outcome_entropy, posterior: prior };
         engine.normalise();
         engine
     }
@@ -64,17 +63,11 @@ impl QuestPlus {
         dot(&self.outcome_entropy) - coin_entropy(dot(&self.success).clamp(0.0, 1.0))
     }
 
-    /// The stimulus with the least expected entropy, the first of equals.
+    /// Of some stimuli, the one with the least expected entropy, the first of equals; nothing of none.
     #[must_use]
-    pub fn best_stimulus(&self) -> usize {
-        let mut best = (0, f64::INFINITY);
-        for stimulus in 0..self.stimuli {
-            let change = self.expected_change(stimulus);
-            if change < best.1 {
-                best = (stimulus, change);
-            }
-        }
-        best.0
+    pub fn best_among(&self, stimuli: impl IntoIterator<Item = usize>) -> Option<usize> {
+        let changes = stimuli.into_iter().map(|stimulus| (stimulus, self.expected_change(stimulus)));
+        changes.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(stimulus, _)| stimulus)
     }
 
     /// Takes in one answer.
@@ -119,7 +112,7 @@ mod tests {
             let miss = (-10f64.powf(slope * (stimuli[s] - threshold) / 20.0)).exp();
             1.0 - lapse - (0.5 - lapse) * miss
         });
-        let best = engine.best_stimulus();
+        let best = engine.best_among(0..stimuli.len()).expect("stimuli");
         (stimuli[best], engine.entropy() + engine.expected_change(best))
     }
 

@@ -182,7 +182,10 @@ fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
         ProcedurePlan::QuestPlus(quest) => {
             let points = quest.m.len() * quest.omega0_deg.len() * quest.width.len() * quest.lapse.len();
             (
-                format!("QUEST+ over the MAR model, {points} grid points"),
+                format!(
+                    "QUEST+ over the MAR model, {points} grid points, {}",
+                    if quest.balanced { "every eccentricity equally often" } else { "any eccentricity" }
+                ),
                 stop_in_words(&quest.stop),
                 quest.levels_beyond_display,
             )

@@ -239,6 +239,9 @@ pub struct EccentricityDraft {
     /// Eccentricities in degrees.
     #[schemars(required, inner(range(min = 0.0, max = 90.0)), extend("x-unit" = "degrees"))]
     pub values: Option<NumberList>,
+    /// Whether each eccentricity comes equally often, in shuffled rounds (true when absent), or whichever teaches most
+    /// about the line.
+    pub balanced: Option<bool>,
 }
 
 /// The detail limits omega that a procedure asks about, equally spaced in ln omega.

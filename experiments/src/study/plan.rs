@@ -221,6 +221,9 @@ pub struct QuestPlusPlan {
     pub levels_beyond_display: usize,
     /// Where eccentricity and omega are set.
     pub axes: MarAxes,
+    /// Whether every eccentricity comes equally often, in shuffled rounds, so that the line can be held against the
+    /// thresholds; else the procedure asks wherever it learns most about the line, which is at its two ends.
+    pub balanced: bool,
     /// Prior values of m, uniform.
     pub m: Vec<f64>,
     /// Prior values of omega0 in degrees per cycle, uniform.

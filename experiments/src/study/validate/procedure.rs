@@ -213,7 +213,17 @@ fn quest_plus(
         );
         return None;
     }
-    Some(QuestPlusPlan { levels, levels_beyond_display: beyond, axes, m, omega0_deg, width, lapse, stop: stop? })
+    Some(QuestPlusPlan {
+        levels,
+        levels_beyond_display: beyond,
+        axes,
+        balanced: draft.eccentricity.as_ref().and_then(|draft| draft.balanced).unwrap_or(true),
+        m,
+        omega0_deg,
+        width,
+        lapse,
+        stop: stop?,
+    })
 }
 
 /// Every pair of eccentricity and MAR that the display can show, and how many it cannot.
