@@ -123,12 +123,7 @@ impl ParameterSchema {
         Self {
             name: name.to_owned(),
             about: about.to_owned(),
-            kind: ParameterKind::Number {
-                unit: unit.to_owned(),
-                min: *bounds.start(),
-                max: *bounds.end(),
-                default,
-            },
+            kind: ParameterKind::Number { unit: unit.to_owned(), min: *bounds.start(), max: *bounds.end(), default },
         }
     }
 
@@ -179,11 +174,7 @@ impl ParameterSchema {
         if accepted {
             Ok(())
         } else {
-            Err(ParameterError {
-                name: self.name.clone(),
-                expected: self.expectation(),
-                found: value.to_string(),
-            })
+            Err(ParameterError { name: self.name.clone(), expected: self.expectation(), found: value.to_string() })
         }
     }
 }
@@ -192,10 +183,7 @@ impl ParameterSchema {
 ///
 /// # Errors
 /// One [`ParameterError`] for each unknown name and each refused value.
-pub fn complete_parameters(
-    schemas: &[ParameterSchema],
-    given: &Parameters,
-) -> Result<Parameters, Vec<ParameterError>> {
+pub fn complete_parameters(schemas: &[ParameterSchema], given: &Parameters) -> Result<Parameters, Vec<ParameterError>> {
     let mut errors: Vec<ParameterError> = given
         .iter()
         .filter_map(|(name, value)| match schemas.iter().find(|schema| &schema.name == name) {

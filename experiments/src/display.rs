@@ -186,10 +186,7 @@ impl Display {
     /// Width and height of one pixel, in millimetres.
     #[must_use]
     pub fn pitch_mm(&self) -> [f64; 2] {
-        [
-            self.size_mm[0] / f64::from(self.resolution_px[0]),
-            self.size_mm[1] / f64::from(self.resolution_px[1]),
-        ]
+        [self.size_mm[0] / f64::from(self.resolution_px[0]), self.size_mm[1] / f64::from(self.resolution_px[1])]
     }
 
     /// The number of pixels on the display.
@@ -256,10 +253,7 @@ impl Display {
     /// The true angle, in degrees, between the directions from the eye to two places in pixels.
     #[must_use]
     pub fn eccentricity_px_deg(&self, a_px: [f64; 2], b_px: [f64; 2]) -> f64 {
-        angle_between_deg(
-            self.direction_from_mm(self.mm_from_px(a_px)),
-            self.direction_from_mm(self.mm_from_px(b_px)),
-        )
+        angle_between_deg(self.direction_from_mm(self.mm_from_px(a_px)), self.direction_from_mm(self.mm_from_px(b_px)))
     }
 
     /// The vector from the eye to a point on the display, in millimetres: x right, y up, z into the display.
@@ -323,9 +317,8 @@ impl Display {
         let inside = (0..STEPS)
             .filter(|&step| {
                 let (sin_t, cos_t) = (f64::from(step) / f64::from(STEPS) * std::f64::consts::TAU).sin_cos();
-                let direction: [f64; 3] = std::array::from_fn(|i| {
-                    gaze[i] * cos_e + (right[i] * cos_t + up[i] * sin_t) * sin_e
-                });
+                let direction: [f64; 3] =
+                    std::array::from_fn(|i| gaze[i] * cos_e + (right[i] * cos_t + up[i] * sin_t) * sin_e);
                 direction[2] > 0.0 && {
                     let scale = self.distance_mm / direction[2];
                     (direction[0] * scale).abs() <= 0.5 * self.size_mm[0]
@@ -348,11 +341,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn length(a: [f64; 3]) -> f64 {
@@ -370,11 +359,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn displays() -> impl Strategy<Value = Display> {
-        (
-            (64u32..8000, 64u32..8000),
-            (50.0..2000.0, 50.0..2000.0),
-            100.0..3000.0,
-        )
+        ((64u32..8000, 64u32..8000), (50.0..2000.0, 50.0..2000.0), 100.0..3000.0)
             .prop_map(|((w, h), (x, y), d)| Display::new("random", [w, h], [x, y], d).expect("in range"))
     }
 

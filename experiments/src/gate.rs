@@ -17,11 +17,7 @@ impl Gate {
     /// A gate around `fixation_deg` (degrees from the display's centre), with gaze taken to be inside.
     #[must_use]
     pub fn new(plan: GatePlan, fixation_deg: [f64; 2]) -> Self {
-        Self {
-            plan,
-            fixation_deg,
-            away_since_s: None,
-        }
+        Self { plan, fixation_deg, away_since_s: None }
     }
 
     /// The gate's radius and grace.
@@ -63,13 +59,7 @@ mod tests {
     use super::*;
 
     fn gate(grace_s: f64) -> Gate {
-        Gate::new(
-            GatePlan {
-                radius_deg: 2.0,
-                grace_s,
-            },
-            [1.0, -1.0],
-        )
+        Gate::new(GatePlan { radius_deg: 2.0, grace_s }, [1.0, -1.0])
     }
 
     /// Feeds samples at 100 Hz from time 0 and answers at which of them gaze had left.

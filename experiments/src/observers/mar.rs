@@ -42,12 +42,7 @@ impl MarObserver {
     pub fn parse_model(text: &str) -> Result<MarModel, SimulationError> {
         let mut problems = Vec::new();
         let mut values: [Option<f64>; 4] = [None; 4];
-        let fields = [
-            ("m", 0.0, 1.0),
-            ("omega0", 1e-4, 10.0),
-            ("width", 0.01, 10.0),
-            ("lapse", 0.0, 0.5),
-        ];
+        let fields = [("m", 0.0, 1.0), ("omega0", 1e-4, 10.0), ("width", 0.01, 10.0), ("lapse", 0.0, 0.5)];
         for entry in text.split(',').map(str::trim).filter(|entry| !entry.is_empty()) {
             let (name, value) = entry.split_once('=').map_or((entry, ""), |(n, v)| (n.trim(), v.trim()));
             let Some(index) = fields.iter().position(|field| field.0 == name) else {

@@ -70,7 +70,8 @@ struct RunningTrial {
     answered_s: Option<f64>,
 }
 
-const PAUSED_TEXT: &str = "Paused.\n\nPress space to go on, or Escape to leave. Nothing is lost: a trial that was interrupted comes again.";
+const PAUSED_TEXT: &str =
+    "Paused.\n\nPress space to go on, or Escape to leave. Nothing is lost: a trial that was interrupted comes again.";
 const REOPENED_TEXT: &str = "Welcome back.\n\nEverything up to the last answer is saved. Press space to go on.";
 const BREAK_TEXT: &str = "Time for a short break.\n\nPress space when you are ready to go on.";
 const THANKS_TEXT: &str = "That was the last trial. Thank you.\n\nPress space to finish.";
@@ -163,7 +164,9 @@ impl Session {
     fn dispatch(&mut self, t_s: f64, input: Input, events: &mut Vec<Event>) -> bool {
         match (&mut self.place, input) {
             (Place::Finished, _) => return false,
-            (Place::Paused(_), Input::Resume | Input::Answered { answer: Answer::Continue }) => self.unpause(t_s, events),
+            (Place::Paused(_), Input::Resume | Input::Answered { answer: Answer::Continue }) => {
+                self.unpause(t_s, events)
+            }
             (Place::Paused(_), Input::Reopened) => self.enter_paused(None, REOPENED_TEXT, t_s, events),
             (Place::Paused(_), _) => return false,
             (Place::Trial(_), Input::Pause) => self.abort(AbortReason::Paused, PAUSED_TEXT, t_s, events),

@@ -41,10 +41,7 @@ fn plan(gate: bool) -> Arc<Plan> {
         title: "Test".to_owned(),
         about: String::new(),
         display: Display::named("demo-540p").expect("ships"),
-        gaze: GazePlan {
-            fixation_deg: [0.0, 0.0],
-            gate: gate.then_some(GatePlan { radius_deg: 2.0, grace_s: 0.1 }),
-        },
+        gaze: GazePlan { fixation_deg: [0.0, 0.0], gate: gate.then_some(GatePlan { radius_deg: 2.0, grace_s: 0.1 }) },
         texts: Texts { instructions: vec!["One.".to_owned(), "Two.".to_owned()], ..Texts::default() },
         blocks: vec![
             block("practice", true, vec![level(5.0, 1.0)], 2),
@@ -83,10 +80,7 @@ fn the_same_seed_gives_the_same_journal_and_another_seed_another() {
 fn a_changed_answer_in_a_journal_is_noticed() {
     let plan = plan(false);
     let mut journal = simulate(&plan, 3, &mut observer(3));
-    let at = journal
-        .iter()
-        .position(|e| matches!(e.event, Event::TrialEnded { .. }))
-        .expect("a trial ends");
+    let at = journal.iter().position(|e| matches!(e.event, Event::TrialEnded { .. })).expect("a trial ends");
     if let Event::TrialEnded { outcome, .. } = &mut journal[at].event {
         *outcome = Outcome::TimedOut;
     }

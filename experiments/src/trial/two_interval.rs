@@ -36,10 +36,7 @@ impl TwoInterval {
         };
         let alternative = |is_test| if is_test { Alternative::Test } else { Alternative::Reference };
         Step::Show(match name {
-            PhaseName::Fixate => Phase {
-                hold_for_gaze: true,
-                ..timed(Presentation::Fixation, self.plan.fixation_s)
-            },
+            PhaseName::Fixate => Phase { hold_for_gaze: true, ..timed(Presentation::Fixation, self.plan.fixation_s) },
             PhaseName::Interval1 => Phase {
                 gated: true,
                 ..timed(Presentation::Stimulus(alternative(self.test_first)), self.plan.interval_s)
@@ -153,10 +150,7 @@ mod tests {
         ] {
             let mut trial = TwoInterval::new(&plan(), test_first, false);
             phases_until_asked(&mut trial);
-            assert_eq!(
-                trial.next(Some(&Input::Answered { answer })),
-                Step::End(Outcome::Answered { answer, correct })
-            );
+            assert_eq!(trial.next(Some(&Input::Answered { answer })), Step::End(Outcome::Answered { answer, correct }));
         }
     }
 
