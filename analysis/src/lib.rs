@@ -1,0 +1,21 @@
+//! What the answers mean: acuity fits with honest intervals, figures and a report.
+//!
+//! The crate is pure: trials, gaze samples and frame intervals come in as plain data, and numbers, SVG and HTML go out as
+//! values. It reads no file, keeps no clock and links no graphics; the lab (the root package) feeds it and writes what it
+//! returns. The acuity model itself lives in [`experiments::mar`], so that whoever asks, answers and fits agree on it.
+//!
+//! - [`mar`] fits `omega = m e + omega0` and a threshold for every eccentricity;
+//! - [`gaze`] and [`timing`] summarise where the eyes were and how the frames ran;
+//! - [`summary`] is the JSON document of `parafovea analyze --json`;
+//! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
+
+pub mod figures;
+pub mod gaze;
+pub mod mar;
+pub mod report;
+mod stats;
+pub mod summary;
+mod svg;
+pub mod timing;
+
+pub use mar::{MarFit, MarFitConfig, MarTrial, fit_mar};

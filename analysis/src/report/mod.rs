@@ -1,0 +1,110 @@
+//! One self-contained HTML page that reads like a short results section.
+//!
+//! Plain data in, one string out: no file, no network, no script that runs. The page carries its figures as SVG and its
+//! numbers as JSON (`<script type="application/json" id="parafovea-analysis">`), and reads on light and dark screens and
+//! on paper. Text that came from outside is escaped everywhere.
+
+mod sections;
+mod text;
+
+use crate::figures::{GazeView, TrackPoint};
+use crate::gaze::GazeSample;
+use crate::mar::MarFit;
+use crate::summary::{Analysis, ObserverSummary};
+use crate::svg::escape;
+use crate::timing::Frame;
+use experiments::Display;
+use experiments::mar::MarModel;
+
+pub(crate) use text::significant;
+
+/// Everything that a report shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReportInput {
+    /// Heading of the page, for example the study's title.
+    pub title: String,
+    /// Version of the program that analysed, for example `parafovea 0.1.0`.
+    pub program_version: String,
+    /// When the report was made, as the reader should see it; left out if `None`, so that a page can be the same twice.
+    pub generated: Option<String>,
+    /// Further software with its version, as (name, version).
+    pub software: Vec<(String, String)>,
+    /// One entry per fitted observer, in the order in which they should appear.
+    pub sessions: Vec<SessionReport>,
+}
+
+/// One observer's session (or several sessions fitted together) with its fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SessionReport {
+    /// The observer's code.
+    pub observer: String,
+    /// The study's name.
+    pub study: String,
+    /// The session folder, or several.
+    pub session: String,
+    /// When the session started, as the reader should see it.
+    pub started: Option<String>,
+    /// The display it ran on.
+    pub display: Display,
+    /// The gaze source, for example `mouse` or `simulated (drift, 250 Hz)`.
+    pub gaze_source: String,
+    /// Scene and renderer, for example `photograph, renderer ring`.
+    pub stimulus: String,
+    /// The graphics adapter.
+    pub adapter: String,
+    /// The session's seed.
+    pub seed: u64,
+    /// Version of the program that ran the session.
+    pub run_version: String,
+    /// Further facts, as (label, value).
+    pub facts: Vec<(String, String)>,
+    /// The parameters of a simulated observer, shown beside what was fitted; `None` for a person.
+    pub truth: Option<MarModel>,
+    /// The fit.
+    pub fit: MarFit,
+    /// How the levels were chosen, trial by trial; may be empty.
+    pub track: Vec<TrackPoint>,
+    /// Gaze during stimulus phases; may be empty.
+    pub gaze: Vec<GazeSample>,
+    /// What the gaze is drawn against.
+    pub gaze_view: GazeView,
+    /// Trials aborted by the fixation gate or a timeout, and repeated.
+    pub aborted_trials: usize,
+    /// Presented frames; may be empty.
+    pub frames: Vec<Frame>,
+    /// Refresh rate measured by the stage, hertz; the display's declared rate is used if `None`.
+    pub measured_refresh_hz: Option<f64>,
+    /// The session ran offscreen in virtual time: its frame timing says nothing about a display.
+    pub virtual_time: bool,
+}
+
+/// The JSON document that `html` embeds, for these sessions.
+#[must_use]
+pub fn analysis(input: &ReportInput) -> Analysis {
+    let observers = input.sessions.iter().map(|s| ObserverSummary::new(s.observer.clone(), &s.fit)).collect();
+    Analysis { observers }
+}
+
+/// The whole page, as one HTML document in UTF-8 without any external resource.
+#[must_use]
+pub fn html(input: &ReportInput) -> String {
+    let mut body = String::new();
+    body.push_str(&sections::header(input));
+    body.push_str(&sections::overview(input));
+    body.push_str(&sections::methods(input));
+    for session in &input.sessions {
+        body.push_str(&sections::session(session, input.sessions.len() == 1));
+    }
+    body.push_str(&sections::software(input));
+    // `<` never appears in the data block, so no string can close it.
+    let json = serde_json::to_string(&analysis(input)).unwrap_or_else(|_| "null".to_owned()).replace('<', "\\u003c");
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"generator\" content=\"{}\">\n<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{body}\
+         </main>\n<script type=\"application/json\" id=\"parafovea-analysis\">{json}</script>\n</body>\n</html>\n",
+        escape(&input.program_version),
+        escape(&input.title),
+        include_str!("style.css"),
+    )
+}

@@ -1,0 +1,336 @@
+//! The parts of the page, in the order in which they are read.
+
+use super::text::{degrees, facts, figure, interval, listed, milliseconds, percent, significant, table, with_interval};
+use super::{ReportInput, SessionReport};
+use crate::mar::{Estimate, MarFit};
+use crate::svg::escape;
+use crate::{figures, gaze, timing};
+use experiments::Display;
+
+pub(super) fn header(input: &ReportInput) -> String {
+    let observers: Vec<String> = input.sessions.iter().map(|s| s.observer.clone()).collect();
+    let trials: usize = input.sessions.iter().map(|s| s.fit.trials).sum();
+    let mut line = match observers.len() {
+        0 => "No sessions".to_owned(),
+        1 => format!("Observer {}, {trials} trials", observers[0]),
+        n => format!("{n} observers, {trials} trials"),
+    };
+    if let Some(generated) = &input.generated {
+        line = format!("{line} · {generated}");
+    }
+    format!("<header>\n<h1>{}</h1>\n<p class=\"byline\">{}</p>\n</header>\n", escape(&input.title), escape(&line))
+}
+
+/// One sentence per result, and a table where there are several observers.
+pub(super) fn overview(input: &ReportInput) -> String {
+    match input.sessions.as_slice() {
+        [] => "<p>There is nothing to report: no session was given.</p>\n".to_owned(),
+        [one] => format!("{}<p class=\"lead\">{}</p>\n", notice(&one.fit), result_sentence(&one.fit)),
+        many => {
+            let rows: Vec<Vec<String>> = many
+                .iter()
+                .map(|s| {
+                    let cell = |e: &Estimate| format!("{} [{}]", significant(e.estimate, 3), interval(e.ci95));
+                    vec![
+                        s.observer.clone(),
+                        cell(&s.fit.m),
+                        format!("{}{}", cell(&s.fit.omega0), if s.fit.display_limited { " †" } else { "" }),
+                        s.fit.trials.to_string(),
+                        if s.fit.support.is_supported() { "yes" } else { "no" }.to_owned(),
+                    ]
+                })
+                .collect();
+            let mut html = table(
+                "Fitted MAR line of every observer, with 95 % intervals. m in degrees per cycle per degree, ω₀ in degrees per cycle.",
+                &["Observer", "m", "ω₀", "Trials", "Supported by the data"],
+                &rows,
+            );
+            if many.iter().any(|s| s.fit.display_limited) {
+                html.push_str("<p class=\"note\">† extrapolated: finer than the display could show.</p>\n");
+            }
+            html
+        }
+    }
+}
+
+fn result_sentence(fit: &MarFit) -> String {
+    format!(
+        "The coarsest detail limit that goes unnoticed grew with eccentricity by <strong><var>m</var> = {}</strong> degrees per \
+         cycle per degree, from <strong><var>ω</var><sub>0</sub> = {}</strong> degrees per cycle at the fovea{}.",
+        escape(&with_interval(&fit.m)),
+        escape(&with_interval(&fit.omega0)),
+        if fit.display_limited { " (extrapolated: the display cannot show so fine a detail)" } else { "" }
+    )
+}
+
+/// Reasons against the fit, then warnings.
+fn notice(fit: &MarFit) -> String {
+    let list = |items: &[String]| items.iter().map(|i| format!("<li>{}</li>\n", escape(i))).collect::<String>();
+    let mut html = String::new();
+    if !fit.support.is_supported() {
+        html.push_str(&format!(
+            "<aside class=\"unsupported\" role=\"note\">\n<p><strong>The data do not support this fit.</strong> The numbers \
+             below are shown with their intervals, but they are not a result:</p>\n<ul>\n{}</ul>\n</aside>\n",
+            list(fit.support.reasons())
+        ));
+    }
+    if !fit.warnings.is_empty() {
+        html.push_str(&format!(
+            "<aside class=\"caution\" role=\"note\">\n<p><strong>To bear in mind</strong></p>\n<ul>\n{}</ul>\n</aside>\n",
+            list(&fit.warnings)
+        ));
+    }
+    html
+}
+
+pub(super) fn methods(input: &ReportInput) -> String {
+    let Some(first) = input.sessions.first() else {
+        return String::new();
+    };
+    let fit = &first.fit;
+    let priors = &fit.config.priors;
+    let names: Vec<String> =
+        fit.thresholds.iter().map(|t| format!("{}°", significant(t.eccentricity_deg, 3))).collect();
+    let prior = |p: crate::mar::LogNormal| {
+        format!("median {}, SD of the logarithm {}", significant(p.median, 3), significant(p.sd_ln, 2))
+    };
+    let displays = input.sessions.iter().all(|s| s.display == first.display);
+    format!(
+        "<section>\n<h2>Methods</h2>\n\
+         <p>Trials were forced choices with a guess rate of {guess}: detail finer than a limit <var>ω</var> (degrees per cycle) \
+         was removed at one eccentricity around the gaze, at {names}, and the observer said which picture was degraded. \
+         {display}</p>\n\
+         <p>All trials of an observer entered one likelihood, ψ(<var>e</var>, <var>ω</var>) = γ + (1 − γ − λ) Φ(3.29 (ln \
+         <var>ω</var> − ln(<var>m</var> <var>e</var> + <var>ω</var><sub>0</sub>))/<var>w</var>), with the guess rate γ, the lapse \
+         rate λ and a width <var>w</var> that spans 5 % to 95 % of the rise in ln <var>ω</var>. Priors were weak: log-normal for \
+         <var>m</var> ({m}), <var>ω</var><sub>0</sub> ({omega0}) and <var>w</var> ({width}), and Beta({a}, {b}) for λ. The posterior \
+         was integrated by adaptive importance sampling on quasi-random points; estimates are posterior medians and intervals \
+         the central 95 %. The threshold of each eccentricity was fitted without the line, with width and lapse rate shared. \
+         Trials whose limit the display could not show were left out, and thresholds below it are given as upper limits.</p>\n\
+         <p><strong>What this measures.</strong> The coarsest detail limit that goes unnoticed in this content, at this \
+         eccentricity, on this display, by this observer’s criterion. It is not clinical acuity: letters, gratings, luminance and \
+         contrast would give other numbers, and a degraded ring can be betrayed by its edge or its motion. The fit assumes that MAR \
+         grows in proportion to eccentricity and that an observer answers alike throughout a session.</p>\n</section>\n",
+        guess = significant(fit.config.guess, 2),
+        names = escape(&listed(&names)),
+        display = if displays {
+            escape(&format!("The display was {}.", display_sentence(&first.display)))
+        } else {
+            "Displays differed between sessions and are given with each.".to_owned()
+        },
+        m = prior(priors.m),
+        omega0 = prior(priors.omega0),
+        width = prior(priors.width),
+        a = significant(priors.lapse_beta[0], 3),
+        b = significant(priors.lapse_beta[1], 3),
+    )
+}
+
+fn display_sentence(display: &Display) -> String {
+    let [columns, rows] = display.resolution_px();
+    let [w, h] = display.size_mm();
+    let field = display.half_field_deg();
+    let peak = display.peak_cd_m2().map_or_else(String::new, |l| format!(", {l:.0} cd/m² peak"));
+    format!(
+        "{} ({columns} × {rows} pixels on {:.1} × {:.1} cm, seen from {:.1} cm: {:.1}° × {:.1}°{peak}), whose finest MAR is {} \
+         degrees per cycle at its centre",
+        display.name(),
+        w / 10.0,
+        h / 10.0,
+        display.distance_mm() / 10.0,
+        2.0 * field[0],
+        2.0 * field[1],
+        significant(display.finest_mar_deg([0.0, 0.0]), 3)
+    )
+}
+
+/// One observer; `alone` leaves out what the head of the page has already said.
+pub(super) fn session(session: &SessionReport, alone: bool) -> String {
+    let fit = &session.fit;
+    let mut html = format!("<section class=\"observer\">\n<h2>Observer {}</h2>\n", escape(&session.observer));
+    html.push_str(&facts(&run_facts(session)));
+    if !alone {
+        html.push_str(&notice(fit));
+    }
+    html.push_str("<h3>Acuity</h3>\n");
+    if !alone {
+        html.push_str(&format!("<p>{}</p>\n", result_sentence(fit)));
+    }
+    html.push_str(&parameters(session));
+    html.push_str(&figure(
+        &figures::mar_line(fit),
+        "MAR by eccentricity. Points: threshold of each eccentricity, fitted without the line, with 95 % intervals. Line and \
+         band: joint fit over all trials; dashed where no eccentricity was tested.",
+    ));
+    html.push_str(&thresholds(fit));
+    html.push_str(&figure(
+        &figures::psychometric_curves(fit),
+        "Share of correct answers by detail limit at each eccentricity. The curve is the joint fit; the vertical line is the \
+         eccentricity’s own threshold, half-way between guessing and lapsing.",
+    ));
+    html.push_str(&format!(
+        "<p>Goodness of fit: deviance {} over {} pooled levels; {} of data sets simulated from the posterior deviate as much \
+         (posterior predictive <var>p</var> = {}). Effective sample size {:.0} of {} posterior evaluations.</p>\n",
+        significant(fit.goodness.deviance, 3),
+        fit.goodness.pooled_levels,
+        percent(fit.goodness.p),
+        significant(fit.goodness.p, 2),
+        fit.ess,
+        fit.evaluations
+    ));
+    if !session.track.is_empty() {
+        html.push_str("<h3>Course of the session</h3>\n");
+        html.push_str(&figure(
+            &figures::adaptive_track(&session.track),
+            "Level of each trial, and the procedure’s running estimates with 95 % intervals. The fit above uses all trials \
+             afresh and does not depend on these estimates.",
+        ));
+    }
+    html.push_str(&gaze_section(session));
+    html.push_str(&timing_section(session));
+    html.push_str("</section>\n");
+    html
+}
+
+fn run_facts(session: &SessionReport) -> Vec<(String, String)> {
+    let mut rows = vec![("Study", session.study.clone()), ("Session", session.session.clone())];
+    if let Some(started) = &session.started {
+        rows.push(("Started", started.clone()));
+    }
+    rows.push(("Display", display_sentence(&session.display)));
+    rows.push(("Stimulus", session.stimulus.clone()));
+    rows.push(("Gaze", session.gaze_source.clone()));
+    rows.push(("Graphics", session.adapter.clone()));
+    rows.push(("Run by", session.run_version.clone()));
+    rows.push(("Seed", session.seed.to_string()));
+    let mut rows: Vec<(String, String)> = rows.into_iter().map(|(label, value)| (label.to_owned(), value)).collect();
+    rows.extend(session.facts.iter().cloned());
+    rows.retain(|(_, value)| !value.is_empty());
+    rows
+}
+
+fn parameters(session: &SessionReport) -> String {
+    let fit = &session.fit;
+    let truth = session.truth.as_ref();
+    let rows: Vec<Vec<String>> = [
+        ("Slope m (degrees per cycle per degree)", &fit.m, truth.map(|t| t.m)),
+        ("Intercept ω₀ (degrees per cycle)", &fit.omega0, truth.map(|t| t.omega0_deg)),
+        ("Width w (ln ω, 5 % to 95 %)", &fit.width, truth.map(|t| t.width)),
+        ("Lapse rate λ", &fit.lapse, truth.map(|t| t.lapse)),
+    ]
+    .into_iter()
+    .map(|(name, estimate, truth)| {
+        let mut row = vec![name.to_owned(), significant(estimate.estimate, 3), interval(estimate.ci95)];
+        row.extend(truth.map(|value| significant(value, 3)));
+        row
+    })
+    .collect();
+    let mut header = vec!["Parameter", "Estimate", "95 % CI"];
+    if truth.is_some() {
+        header.push("Simulated observer");
+    }
+    table("The fitted model.", &header, &rows)
+}
+
+fn thresholds(fit: &MarFit) -> String {
+    let rows: Vec<Vec<String>> = fit
+        .thresholds
+        .iter()
+        .map(|t| {
+            let line = fit.line_at(t.eccentricity_deg);
+            vec![
+                format!("{}°", significant(t.eccentricity_deg, 3)),
+                format!("{}{}", if t.limited { "≤ " } else { "" }, significant(t.mar_deg, 3)),
+                interval(t.ci95),
+                significant(line.estimate, 3),
+                t.finest_mar_deg.map_or_else(|| "–".to_owned(), |omega| significant(omega, 3)),
+                t.trials.to_string(),
+            ]
+        })
+        .collect();
+    table(
+        "Threshold of each eccentricity, degrees per cycle. ≤ marks an upper limit set by the display.",
+        &["Eccentricity", "Threshold", "95 % CI", "Line", "Display’s finest", "Trials"],
+        &rows,
+    )
+}
+
+fn gaze_section(session: &SessionReport) -> String {
+    if session.gaze.is_empty() {
+        return format!(
+            "<h3>Gaze</h3>\n<p>No gaze samples were recorded during stimulus phases; {} trials were aborted and repeated.</p>\n",
+            session.aborted_trials
+        );
+    }
+    let summary = gaze::summarise(&session.gaze);
+    let rows = [
+        ("Samples during stimulus phases", summary.samples.to_string()),
+        ("Sampling rate", summary.sampling_rate_hz.map_or_else(|| "–".to_owned(), |hz| format!("{hz:.0} Hz"))),
+        ("Valid", summary.valid_share.map_or_else(|| "–".to_owned(), percent)),
+        ("Lost", summary.loss_share.map_or_else(|| "–".to_owned(), percent)),
+        ("RMS deviation from fixation", degrees(summary.rms_deviation_deg)),
+        (
+            "Median (95 %)",
+            format!("{} ({})", degrees(summary.median_deviation_deg), degrees(summary.p95_deviation_deg)),
+        ),
+        ("Trials aborted and repeated", session.aborted_trials.to_string()),
+    ]
+    .map(|(label, value)| (label.to_owned(), value));
+    format!(
+        "<h3>Gaze</h3>\n{}{}",
+        facts(&rows),
+        figure(
+            &figures::gaze_density(&session.gaze, &session.gaze_view),
+            "Where the gaze was while stimuli were shown, with the share of valid samples that each panel holds. Darker cells hold \
+             more samples (square root of the count)."
+        )
+    )
+}
+
+fn timing_section(session: &SessionReport) -> String {
+    if session.frames.is_empty() {
+        return "<h3>Frames</h3>\n<p>No frames were logged.</p>\n".to_owned();
+    }
+    let summary = timing::summarise(&session.frames);
+    let refresh_hz = session.measured_refresh_hz.unwrap_or_else(|| session.display.refresh_hz());
+    let refresh =
+        format!("{refresh_hz:.2} Hz ({})", if session.measured_refresh_hz.is_some() { "measured" } else { "declared" });
+    let rows = [
+        ("Refresh rate", refresh),
+        ("Frames", summary.frames.to_string()),
+        ("Missed", format!("{} ({})", summary.missed, summary.missed_share.map_or_else(|| "–".to_owned(), percent))),
+        (
+            "Interval, mean (SD)",
+            format!("{} ({})", milliseconds(summary.interval_mean_s), milliseconds(summary.interval_sd_s)),
+        ),
+        ("Longest interval", milliseconds(summary.interval_max_s)),
+        (
+            "Age of the gaze, median (95 %)",
+            format!("{} ({})", milliseconds(summary.gaze_age_median_s), milliseconds(summary.gaze_age_p95_s)),
+        ),
+    ]
+    .map(|(label, value)| (label.to_owned(), value));
+    let virtual_note = if session.virtual_time {
+        "<p class=\"note\">This session ran offscreen in virtual time; these figures describe the simulation and no display.</p>\n"
+    } else {
+        ""
+    };
+    format!(
+        "<h3>Frames</h3>\n{virtual_note}{}{}",
+        facts(&rows),
+        figure(
+            &figures::frame_timing(&session.frames, Some(refresh_hz)),
+            "Intervals between frames within a phase, and missed frames over the session."
+        )
+    )
+}
+
+pub(super) fn software(input: &ReportInput) -> String {
+    let mut rows = vec![("Analysis".to_owned(), input.program_version.clone())];
+    rows.extend(input.software.iter().cloned());
+    format!(
+        "<section>\n<h2>Software and data</h2>\n{}<p class=\"note\">The numbers of this page are embedded in it as JSON (element \
+         <code>parafovea-analysis</code>).</p>\n</section>\n",
+        facts(&rows)
+    )
+}
