@@ -1,0 +1,153 @@
+//! Every scene and renderer by name: one line each. Studies are checked against [`catalogue`], and pictures come from
+//! what [`make_scene`] and [`make_renderer`] return.
+
+use crate::contract::{Renderer, Scene};
+use crate::gpu::{Gpu, GpuError};
+use crate::{renderers, scenes};
+use experiments::catalogue::{
+    Catalogue, ParameterError, ParameterSchema, Parameters, RendererInfo, SceneInfo, complete_parameters,
+};
+use experiments::display::Display;
+
+/// Makes a scene from completed parameters.
+type MakeScene = fn(&Gpu, &Display, &Parameters) -> Result<Box<dyn Scene>, RegistryError>;
+/// Makes a renderer from completed parameters.
+type MakeRenderer = fn(&Gpu, &Display, &Parameters) -> Result<Box<dyn Renderer>, RegistryError>;
+
+/// A scene or renderer described as data, and how it is made.
+type Entry<Info, Make> = (fn() -> Info, Make);
+
+const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
+    (scenes::photo::info, scenes::photo::make),
+    (scenes::orbit::info, scenes::orbit::make),
+    (scenes::noise::info, scenes::noise::make),
+];
+
+const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[
+    (renderers::reference::info, renderers::reference::make),
+    (renderers::ring::info, renderers::ring::make),
+    (renderers::layers::info, renderers::layers::make),
+];
+
+/// Why a scene or renderer could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RegistryError {
+    /// Nothing of this name exists.
+    #[error("there is no {kind} \"{id}\"; there are {known}")]
+    Unknown {
+        /// `scene` or `renderer`.
+        kind: &'static str,
+        /// What was asked for.
+        id: String,
+        /// What there is.
+        known: String,
+    },
+    /// Parameters were refused.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Parameters(Vec<ParameterError>),
+    /// The display has more pixels on an axis than the device can draw.
+    #[error("the display has {found} pixels on one axis, the graphics device \"{adapter}\" draws at most {most}")]
+    TooLarge {
+        /// Pixels on the display's longer axis.
+        found: u32,
+        /// What the device allows.
+        most: u32,
+        /// The device.
+        adapter: String,
+    },
+    /// A picture that ships with this crate does not decode.
+    #[error("the shipped picture {name} cannot be read: {reason}")]
+    Asset {
+        /// Its name.
+        name: &'static str,
+        /// What the decoder said.
+        reason: String,
+    },
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+impl From<Vec<ParameterError>> for RegistryError {
+    fn from(errors: Vec<ParameterError>) -> Self {
+        Self::Parameters(errors)
+    }
+}
+
+/// Everything that a study may name. Needs no GPU.
+#[must_use]
+pub fn catalogue() -> Catalogue {
+    Catalogue {
+        scenes: SCENES.iter().map(|(info, _)| info()).collect(),
+        renderers: RENDERERS.iter().map(|(info, _)| info()).collect(),
+    }
+}
+
+/// Makes the scene `id` for `display`; parameters that are not given take their defaults.
+///
+/// # Errors
+/// When the name or a parameter is refused, the display is too large for the device, or the device fails.
+pub fn make_scene(
+    gpu: &Gpu,
+    display: &Display,
+    id: &str,
+    parameters: &Parameters,
+) -> Result<Box<dyn Scene>, RegistryError> {
+    let found = SCENES.iter().map(|(info, make)| (info(), make)).find(|(info, _)| info.id == id);
+    let (info, make) = found.ok_or_else(|| unknown("scene", id, catalogue().scenes.into_iter().map(|s| s.id)))?;
+    make(gpu, display, &prepared(gpu, display, &info.parameters, parameters)?)
+}
+
+/// Makes the renderer `id` for `display`; parameters that are not given take their defaults.
+///
+/// # Errors
+/// As [`make_scene`].
+pub fn make_renderer(
+    gpu: &Gpu,
+    display: &Display,
+    id: &str,
+    parameters: &Parameters,
+) -> Result<Box<dyn Renderer>, RegistryError> {
+    let found = RENDERERS.iter().map(|(info, make)| (info(), make)).find(|(info, _)| info.id == id);
+    let (info, make) = found.ok_or_else(|| unknown("renderer", id, catalogue().renderers.into_iter().map(|r| r.id)))?;
+    make(gpu, display, &prepared(gpu, display, &info.parameters, parameters)?)
+}
+
+fn prepared(
+    gpu: &Gpu,
+    display: &Display,
+    schemas: &[ParameterSchema],
+    given: &Parameters,
+) -> Result<Parameters, RegistryError> {
+    let [width, height] = display.resolution_px();
+    let (found, most) = (width.max(height), gpu.device.limits().max_texture_dimension_2d);
+    if found > most {
+        return Err(RegistryError::TooLarge { found, most, adapter: gpu.adapter_info.name.clone() });
+    }
+    gpu.check()?;
+    Ok(complete_parameters(schemas, given)?)
+}
+
+fn unknown(kind: &'static str, id: &str, known: impl Iterator<Item = String>) -> RegistryError {
+    RegistryError::Unknown { kind, id: id.to_owned(), known: known.collect::<Vec<_>>().join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_defaults_are_accepted() {
+        let catalogue = catalogue();
+        let mut ids: Vec<_> = catalogue.scenes.iter().map(|s| s.id.clone()).collect();
+        ids.extend(catalogue.renderers.iter().map(|r| r.id.clone()));
+        ids.sort();
+        ids.dedup();
+        assert_eq!(ids.len(), SCENES.len() + RENDERERS.len());
+        let schemas =
+            catalogue.scenes.iter().map(|s| &s.parameters).chain(catalogue.renderers.iter().map(|r| &r.parameters));
+        for schema in schemas.flatten() {
+            schema.check(&schema.default_value()).expect("a default is within its own bounds");
+        }
+    }
+}

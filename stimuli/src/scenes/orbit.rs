@@ -1,0 +1,258 @@
+//! A small courtyard, ray-cast in one shader: columns, plinths, mirrors and painted spheres on a paved floor under an
+//! environment map, seen by a camera that circles it. The camera's rays pass through the display's own pixels, so a
+//! degree in the scene is a degree on the display, whatever its size and distance.
+
+use super::ViewUniform;
+use crate::contract::{DrawCost, RenderError, Scene, SceneIdentity, View};
+use crate::geometry::GeometryUniform;
+use crate::gpu::Gpu;
+use crate::parameters::number;
+use crate::pass::{self, Extent};
+use crate::registry::RegistryError;
+use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
+use experiments::display::Display;
+use glam::{DVec3, Vec3, Vec4};
+use std::f64::consts::{PI, TAU};
+
+pub(crate) const WGSL: &str = include_str!("orbit.wgsl");
+
+/// Linear radiance of a park, longitude by colatitude; its licence is in `assets/LICENSES.md`.
+const ENVIRONMENT: &[u8] = include_bytes!("../../assets/environments/park.exr");
+
+/// Radiance that lights a white surface to about half the display's peak.
+const EXPOSURE: f32 = 0.62;
+/// What exceeds this radiance, in units of the mean, belongs to the sun and is taken out of the ambient light.
+const SUN_THRESHOLD: f32 = 12.0;
+
+pub(crate) fn info() -> SceneInfo {
+    SceneInfo {
+        id: "orbit".to_owned(),
+        version: 1,
+        about: "A ray-cast courtyard of columns and spheres under an environment map, seen by a circling camera."
+            .to_owned(),
+        parameters: vec![
+            ParameterSchema::number(
+                "camera_speed",
+                "°/s",
+                -90.0..=90.0,
+                6.0,
+                "How fast the camera circles the court; at 0 the picture stands still.",
+            ),
+            ParameterSchema::number(
+                "camera_start_deg",
+                "°",
+                0.0..=360.0,
+                62.0,
+                "Where on its circle the camera starts.",
+            ),
+        ],
+        animated: true,
+    }
+}
+
+const SPHERES: [[f32; 4]; 7] = [
+    [0.0, 1.55, 0.0, 0.95],
+    [-1.9, 0.55, 1.1, 0.55],
+    [1.75, 0.45, 1.45, 0.45],
+    [0.35, 0.30, 2.05, 0.30],
+    [1.9, 1.30, -1.2, 0.50],
+    [-1.75, 1.20, -1.5, 0.40],
+    [-0.75, 0.22, 2.35, 0.22],
+];
+const SPHERE_COLOURS: [[f32; 4]; 7] = [
+    [0.95, 0.93, 0.88, 0.92],
+    [0.62, 0.10, 0.07, 0.05],
+    [0.98, 0.74, 0.36, 0.85],
+    [0.08, 0.26, 0.45, 0.05],
+    [0.14, 0.36, 0.16, 0.05],
+    [0.90, 0.62, 0.52, 0.80],
+    [0.85, 0.82, 0.74, 0.05],
+];
+const BLOCK_MIDDLES: [[f32; 4]; 5] = [
+    [0.0, 0.35, 0.0, 0.0],
+    [1.9, 0.40, -1.2, 0.0],
+    [-1.75, 0.40, -1.5, 0.0],
+    [0.0, 0.05, 0.0, 0.0],
+    [-2.75, 0.30, 0.35, 0.0],
+];
+const BLOCK_HALVES: [[f32; 4]; 5] = [
+    [0.80, 0.25, 0.80, 0.0],
+    [0.42, 0.40, 0.42, 0.0],
+    [0.38, 0.40, 0.38, 0.0],
+    [1.15, 0.05, 1.15, 0.0],
+    [0.28, 0.30, 0.28, 0.0],
+];
+const COLUMNS: usize = 8;
+/// Distance of the columns from the middle; the camera circles inside them.
+const COLUMN_RING: f64 = 14.0;
+/// Distance of the camera from the middle.
+const CAMERA_RING: f64 = 11.0;
+
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Uniform {
+    geometry: GeometryUniform,
+    view: ViewUniform,
+    eye: Vec4,
+    right: Vec4,
+    up: Vec4,
+    forward: Vec4,
+    sun: Vec4,
+    sun_light: Vec4,
+    ambient: [Vec4; 9],
+    spheres: [[f32; 4]; 7],
+    sphere_colours: [[f32; 4]; 7],
+    columns: [[f32; 4]; COLUMNS],
+    block_middles: [[f32; 4]; 5],
+    block_halves: [[f32; 4]; 5],
+}
+
+struct Orbit {
+    identity: SceneIdentity,
+    display: Display,
+    pipeline: wgpu::RenderPipeline,
+    environment: wgpu::TextureView,
+    light: Light,
+    camera_speed_deg_s: f64,
+    camera_start_deg: f64,
+}
+
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, RegistryError> {
+    let decoded = image::load_from_memory_with_format(ENVIRONMENT, image::ImageFormat::OpenExr)
+        .map_err(|error| RegistryError::Asset { name: "park", reason: error.to_string() })?
+        .into_rgb32f();
+    let size = [decoded.width(), decoded.height()];
+    let repaired = repaired(&decoded);
+    let mean = repaired.iter().map(|c| c.element_sum()).sum::<f32>() / (3 * repaired.len()) as f32;
+    let radiance: Vec<Vec3> = repaired.iter().map(|&c| c * (EXPOSURE / mean)).collect();
+    // Half floats end at 65504; nothing that is shown comes near.
+    let texels: Vec<[f32; 4]> = radiance.iter().map(|c| c.min(Vec3::splat(6e4)).extend(1.0).to_array()).collect();
+    Ok(Box::new(Orbit {
+        identity: SceneIdentity::new(),
+        display: display.clone(),
+        pipeline: pass::pipeline(gpu, "orbit", WGSL, "orbit", crate::LINEAR_FORMAT),
+        environment: pass::view(&pass::half_texture(gpu, "environment", size, &texels)),
+        light: Light::of(&radiance, size),
+        camera_speed_deg_s: number(parameters, "camera_speed")?,
+        camera_start_deg: number(parameters, "camera_start_deg")?,
+    }))
+}
+
+/// The map's radiance with its sun mended: the few pixels of the disc hold broken values (far below zero, or thousands in
+/// one channel and nothing in the others) and take the radiance of the brightest intact pixel instead.
+fn repaired(decoded: &image::Rgb32FImage) -> Vec<Vec3> {
+    let intact = |c: Vec3| c.is_finite() && c.min_element() > -0.5 && c.max_element() < 1e3 * c.min_element().max(0.1);
+    let pixels = || decoded.pixels().map(|p| Vec3::from_array(p.0));
+    let brightest =
+        pixels().filter(|&c| intact(c)).max_by(|a, b| a.element_sum().total_cmp(&b.element_sum())).unwrap_or(Vec3::ONE);
+    pixels().map(|c| if intact(c) { c.max(Vec3::ZERO) } else { brightest }).collect()
+}
+
+/// An environment map as light on diffuse surfaces: a sun, and what is left as spherical harmonics.
+#[derive(Debug, Clone, Copy)]
+struct Light {
+    /// Towards the sun.
+    sun: Vec3,
+    /// Light of the sun on a surface that faces it, over π.
+    sun_light: Vec3,
+    /// Irradiance over π in the nine functions of `ambient_light` (Ramamoorthi and Hanrahan 2001, Eqs. 7–10).
+    ambient: [Vec3; 9],
+}
+
+impl Light {
+    fn of(radiance: &[Vec3], [width, height]: [u32; 2]) -> Self {
+        let threshold = SUN_THRESHOLD * EXPOSURE;
+        let mut sun_direction = Vec3::ZERO;
+        let mut sun_light = Vec3::ZERO;
+        let mut harmonics = [Vec3::ZERO; 9];
+        for (i, &light) in radiance.iter().enumerate() {
+            let (column, row) = (i as u32 % width, i as u32 / width);
+            let theta = (f64::from(row) + 0.5) / f64::from(height) * PI;
+            let phi = ((f64::from(column) + 0.5) / f64::from(width) - 0.5) * TAU;
+            let solid_angle = (theta.sin() * PI / f64::from(height) * TAU / f64::from(width)) as f32;
+            let d = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()).as_vec3();
+
+            // What is brighter than the threshold shines as the sun.
+            let ambient = light.min(Vec3::splat(threshold));
+            let excess = light - ambient;
+            sun_direction += d * excess.element_sum() * solid_angle;
+            sun_light += excess * solid_angle / PI as f32;
+            for (sum, basis) in harmonics.iter_mut().zip(harmonic_basis(d)) {
+                *sum += ambient * basis * solid_angle;
+            }
+        }
+        // Convolved with the clamped cosine (π, 2π/3, π/4 by order) and divided by π.
+        let orders = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
+        let normalisation =
+            [0.282_095, 0.488_603, 0.488_603, 0.488_603, 1.092_548, 1.092_548, 0.315_392, 1.092_548, 0.546_274];
+        let ambient = std::array::from_fn(|i| harmonics[i] * orders[i] * normalisation[i] * normalisation[i]);
+
+        // A map without a sun gets light from high on one side, a third of its mean.
+        let has_sun = sun_direction.length() > 1e-6 && sun_direction.y > 0.0;
+        let sun = if has_sun { sun_direction.normalize() } else { Vec3::new(0.5, 0.75, 0.43).normalize() };
+        let sun_light = if has_sun { sun_light } else { Vec3::splat(EXPOSURE / 3.0) };
+        Self { sun, sun_light, ambient }
+    }
+}
+
+/// The nine real spherical harmonics of order 0–2 without their factors, in the order of `ambient_light`.
+fn harmonic_basis(d: Vec3) -> [f32; 9] {
+    [1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.x * d.z, d.x * d.x - d.y * d.y]
+}
+
+impl Orbit {
+    fn uniform(&self, view: &View, animation_s: f64) -> Uniform {
+        // The camera circles the court within its columns' ring and looks slightly down, bobbing once a turn and a half.
+        let angle = (self.camera_start_deg + self.camera_speed_deg_s * animation_s).to_radians();
+        let height = 1.75 + 0.25 * (1.5 * angle).sin();
+        let eye = DVec3::new(CAMERA_RING * angle.cos(), height, CAMERA_RING * angle.sin());
+        let forward = (DVec3::new(0.0, 1.25, 0.0) - eye).normalize();
+        let right = forward.cross(DVec3::Y).normalize();
+        let up = right.cross(forward);
+        let extend = |v: DVec3| v.as_vec3().extend(0.0);
+        let column = |i: usize| {
+            let angle = (i as f64 + 0.5) / COLUMNS as f64 * TAU;
+            [(COLUMN_RING * angle.cos()) as f32, (COLUMN_RING * angle.sin()) as f32, 0.0, 0.0]
+        };
+        Uniform {
+            geometry: GeometryUniform::new(&self.display, [0.0; 2]),
+            view: ViewUniform::new(view),
+            eye: extend(eye),
+            right: extend(right),
+            up: extend(up),
+            forward: extend(forward),
+            sun: self.light.sun.extend(0.0),
+            sun_light: self.light.sun_light.extend(0.0),
+            ambient: self.light.ambient.map(|c| c.extend(0.0)),
+            spheres: SPHERES,
+            sphere_colours: SPHERE_COLOURS,
+            columns: std::array::from_fn(column),
+            block_middles: BLOCK_MIDDLES,
+            block_halves: BLOCK_HALVES,
+        }
+    }
+}
+
+impl Scene for Orbit {
+    fn draw(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        view: &View,
+        animation_s: f64,
+        target: &wgpu::TextureView,
+    ) -> Result<DrawCost, RenderError> {
+        let uniform = pass::uniform(gpu, &self.uniform(view, animation_s));
+        let bind_group = pass::bind(gpu, &self.pipeline, &uniform, &[&self.environment]);
+        pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::Corner(view.target_px));
+        Ok(DrawCost { pixels_shaded: view.pixels(), rays_traced: view.pixels() })
+    }
+
+    fn picture_changes(&self, from_s: f64, to_s: f64) -> bool {
+        self.camera_speed_deg_s != 0.0 && from_s != to_s
+    }
+
+    fn identity(&self) -> SceneIdentity {
+        self.identity
+    }
+}
