@@ -1,0 +1,135 @@
+//! `parafovea demo`: the whole idea at work, with an observer whose acuity is known.
+
+use super::{analyze, inputs, print, replay, run, say};
+use crate::error::LabError;
+use crate::export;
+use crate::replay::Replay;
+use crate::results::fit_sessions;
+use crate::session::SessionFolder;
+use crate::session::tables::FrameRow;
+use clap::Args;
+use experiments::observers::MarObserver;
+use experiments::trial::{Alternative, PhaseName, Presentation};
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The study that is run.
+const STUDY: &str = "mar-demo";
+/// The simulated observer: Guenter's m for a pair test and the average adult's foveal acuity.
+const TRUTH: &str = "omega0=0.021,m=0.022,width=0.6,lapse=0.02";
+
+#[derive(Debug, Args)]
+pub(super) struct DemoArgs {
+    /// Where everything goes.
+    #[arg(long, default_value = "demo", value_name = "DIR")]
+    data: PathBuf,
+    /// Fixes everything random.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Draw no pictures: everything else as fast as it goes.
+    #[arg(long)]
+    no_render: bool,
+}
+
+pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
+    let truth = MarObserver::parse_model(TRUTH).map_err(|error| LabError::Failed(error.to_string()))?;
+    let study = inputs::study_file(STUDY)?;
+    let plan = Arc::new(inputs::plan(&study, None)?);
+
+    say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
+    let request = run::Request {
+        plan,
+        study,
+        observer: "SIM".to_owned(),
+        data: args.data.clone(),
+        seed: args.seed,
+        earlier: None,
+    };
+    let folder = run::run_offscreen(request, MarObserver::new(truth, args.seed), None, !args.no_render)?;
+    let sessions = [SessionFolder::open(&folder)?];
+    let trials = sessions[0].record.trials.len();
+    say(&format!("   {trials} trials in {}", folder.display()));
+
+    say("2. The fit and its report");
+    let results = fit_sessions(&sessions)?;
+    let report = folder.with_extension("report.html");
+    crate::report::write(&results, &report)?;
+
+    say("3. The tables");
+    let tables = folder.with_extension("csv");
+    export::csv::export(&sessions, &results, &tables)?;
+
+    let mut pictures = None;
+    if !args.no_render {
+        say("4. Frames drawn again from the log alone, compared with the run's hashes");
+        let session = &sessions[0];
+        let plan = inputs::plan(
+            &inputs::StudyFile { file: STUDY.to_owned(), text: session.header.study.text.clone() },
+            Some(&session.display),
+        )?;
+        let replayed = Replay::open(session, plan)?;
+        let frames = some_frames(&replayed);
+        let dir = folder.with_extension("frames");
+        let outcome = replay::draw(&replayed, &frames, Some(&dir), true)?;
+        if outcome.hashes_different > 0 {
+            return Err(LabError::Failed(format!(
+                "{} of {} frames were not the same when drawn again",
+                outcome.hashes_different, outcome.hashes_compared
+            )));
+        }
+        say(&format!("   {} frames, all the same as in the run", outcome.hashes_compared));
+        pictures = Some(dir);
+    }
+
+    let fit = &results[0].fit;
+    let mut text = analyze::table(&results[0]);
+    let _ = writeln!(text, "\n  quantity   true       fitted     95 % interval");
+    let compared = [
+        ("m", truth.m, fit.m),
+        ("omega0", truth.omega0_deg, fit.omega0),
+        ("width", truth.width, fit.width),
+        ("lapse", truth.lapse, fit.lapse),
+    ];
+    for (name, truth, estimate) in compared {
+        let [low, high] = estimate.ci95;
+        let held = if (low..=high).contains(&truth) { "holds the truth" } else { "misses the truth" };
+        let _ =
+            writeln!(text, "  {name:<8}   {truth:<8.4}   {:<8.4}   {low:.4} – {high:.4}   {held}", estimate.estimate);
+    }
+    let _ =
+        write!(text, "\nsession  {}\nreport   {}\ntables   {}", folder.display(), report.display(), tables.display());
+    if let Some(pictures) = pictures {
+        let _ = write!(text, "\nframes   {}", pictures.display());
+    }
+    print(&text)
+}
+
+/// One frame of each kind from the coarsest trial, and every frame of its degraded interval.
+fn some_frames(replay: &Replay) -> Vec<&FrameRow> {
+    let omega = |frame: &FrameRow| {
+        let view = replay.view(frame).ok()?;
+        let is_test = matches!(view.presentation, Presentation::Stimulus(Alternative::Test));
+        is_test.then_some(())?;
+        view.level?.get("mar_deg").copied()
+    };
+    let coarsest = replay
+        .frames()
+        .iter()
+        .filter_map(|frame| Some((omega(frame)?, frame.trial?)))
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, trial)) = coarsest else {
+        return Vec::new();
+    };
+    let mut seen: Vec<PhaseName> = Vec::new();
+    replay
+        .frames()
+        .iter()
+        .filter(|frame| frame.trial == Some(trial))
+        .filter(|frame| {
+            let first = !seen.contains(&frame.phase);
+            seen.push(frame.phase);
+            first || omega(frame).is_some()
+        })
+        .collect()
+}

@@ -1,0 +1,196 @@
+//! Tidy CSV: trials, gaze, frames, thresholds and fits of any number of sessions, with `columns.json` to describe them.
+//!
+//! Everything is written to a new folder beside the target first and moved there at the end, so that an export is whole
+//! or not there.
+
+use super::columns::{self, Column};
+use crate::error::LabError;
+use crate::results::ObserverResult;
+use crate::session::{SessionFolder, names};
+use csv::Writer;
+use experiments::trial::{Alternative, Outcome};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Writes the tables into `out`, a folder that must not exist or be empty. Returns the files and their numbers of rows.
+///
+/// # Errors
+/// When `out` holds something already, or a file cannot be written.
+pub fn export(
+    sessions: &[SessionFolder],
+    results: &[ObserverResult<'_>],
+    out: &Path,
+) -> Result<Vec<(PathBuf, usize)>, LabError> {
+    let occupied = fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some());
+    if occupied || out.is_file() {
+        return Err(LabError::BadInput(format!("--out {}: expected a new or empty folder", out.display())));
+    }
+    let partial = out.with_file_name(format!(
+        ".{}.partial-{}",
+        out.file_name().map_or_else(|| "export".into(), |name| name.to_string_lossy()),
+        std::process::id()
+    ));
+    fs::create_dir_all(&partial).map_err(|error| LabError::io("make", &partial, &error))?;
+    let written = write_tables(sessions, results, &partial).and_then(|rows| {
+        if out.exists() {
+            fs::remove_dir(out).map_err(|error| LabError::io("replace", out, &error))?;
+        }
+        fs::rename(&partial, out).map_err(|error| LabError::io("make", out, &error))?;
+        Ok(rows)
+    });
+    if written.is_err() {
+        // The error that is returned says what went wrong; a leftover folder is only untidy.
+        let _ = fs::remove_dir_all(&partial);
+    }
+    Ok(written?.into_iter().map(|(name, rows)| (out.join(name), rows)).collect())
+}
+
+fn write_tables(
+    sessions: &[SessionFolder],
+    results: &[ObserverResult<'_>],
+    folder: &Path,
+) -> Result<Vec<(&'static str, usize)>, LabError> {
+    let mut rows = Vec::new();
+    let mut table =
+        |name: &'static str, columns: &[Column], fill: &mut dyn FnMut(&mut Table) -> Result<(), LabError>| {
+            let mut table = Table::create(folder.join(name), columns)?;
+            fill(&mut table)?;
+            rows.push((name, table.finish()?));
+            Ok::<(), LabError>(())
+        };
+    table("trials.csv", columns::TRIALS, &mut |table| trials(sessions, table))?;
+    table("gaze.csv", columns::GAZE, &mut |table| copy(sessions, names::GAZE, table))?;
+    table("frames.csv", columns::FRAMES, &mut |table| copy(sessions, names::FRAMES, table))?;
+    table("thresholds.csv", columns::THRESHOLDS, &mut |table| thresholds(results, table))?;
+    table("fits.csv", columns::FITS, &mut |table| fits(results, table))?;
+    let path = folder.join("columns.json");
+    let dictionary =
+        serde_json::to_string_pretty(&columns::dictionary()).map_err(|error| LabError::Failed(error.to_string()))?;
+    fs::write(&path, dictionary + "\n").map_err(|error| LabError::io("write", &path, &error))?;
+    Ok(rows)
+}
+
+/// A CSV file being written.
+struct Table {
+    path: PathBuf,
+    writer: Writer<fs::File>,
+    rows: usize,
+}
+
+impl Table {
+    fn create(path: PathBuf, columns: &[Column]) -> Result<Self, LabError> {
+        let file = fs::File::create_new(&path).map_err(|error| LabError::io("write", &path, &error))?;
+        let mut table = Self { path, writer: Writer::from_writer(file), rows: 0 };
+        table.write(columns.iter().map(|column| column.name))?;
+        Ok(table)
+    }
+
+    fn row<T: AsRef<[u8]>>(&mut self, cells: impl IntoIterator<Item = T>) -> Result<(), LabError> {
+        self.rows += 1;
+        self.write(cells)
+    }
+
+    fn write<T: AsRef<[u8]>>(&mut self, cells: impl IntoIterator<Item = T>) -> Result<(), LabError> {
+        self.writer
+            .write_record(cells)
+            .map_err(|error| LabError::Failed(format!("cannot write {}: {error}", self.path.display())))
+    }
+
+    fn finish(mut self) -> Result<usize, LabError> {
+        self.writer.flush().map_err(|error| LabError::io("write", &self.path, &error))?;
+        Ok(self.rows)
+    }
+}
+
+fn session_name(session: &SessionFolder) -> String {
+    let name = session.path.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+    name.unwrap_or_else(|| session.path.display().to_string())
+}
+
+fn trials(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError> {
+    let bit = |value: bool| u8::from(value).to_string();
+    let real = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    let kebab = |value: serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    for session in sessions {
+        for record in &session.record.trials {
+            let trial = &record.trial;
+            let (outcome, reason, answer) = match record.outcome {
+                Outcome::Answered { answer, .. } => ("answered", String::new(), kebab(serde_json::json!(answer))),
+                Outcome::TimedOut => ("timed-out", String::new(), String::new()),
+                Outcome::Aborted { reason } => ("aborted", kebab(serde_json::json!(reason)), String::new()),
+            };
+            table.row([
+                session_name(session),
+                session.header.observer.clone(),
+                trial.trial.to_string(),
+                trial.block.clone(),
+                bit(trial.practice),
+                trial.condition.clone(),
+                real(trial.eccentricity_deg),
+                real(trial.mar_deg),
+                serde_json::json!(trial.level).to_string(),
+                (if trial.order[0] == Alternative::Test { "1" } else { "2" }).to_owned(),
+                outcome.to_owned(),
+                reason,
+                answer,
+                record.correct().map_or_else(String::new, bit),
+                real(record.response_time_s),
+                record.began_s.to_string(),
+                record.ended_s.to_string(),
+            ])?;
+        }
+    }
+    Ok(())
+}
+
+/// Copies a session's own table row by row, with the session and observer in front; a torn last row is left out.
+fn copy(sessions: &[SessionFolder], name: &str, table: &mut Table) -> Result<(), LabError> {
+    for session in sessions {
+        let path = session.path.join(name);
+        let bytes = fs::read(&path).map_err(|error| LabError::io("read", &path, &error))?;
+        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+        let (session_name, observer) = (session_name(session), session.header.observer.as_str());
+        for row in csv::Reader::from_reader(&bytes[..whole]).byte_records() {
+            let row = row.map_err(|error| LabError::BadInput(format!("{}: {error}", path.display())))?;
+            table.row([session_name.as_bytes(), observer.as_bytes()].into_iter().chain(row.iter()))?;
+        }
+    }
+    Ok(())
+}
+
+fn thresholds(results: &[ObserverResult<'_>], table: &mut Table) -> Result<(), LabError> {
+    for result in results {
+        for threshold in &result.fit.thresholds {
+            table.row([
+                result.observer.clone(),
+                threshold.eccentricity_deg.to_string(),
+                threshold.mar_deg.to_string(),
+                threshold.ci95[0].to_string(),
+                threshold.ci95[1].to_string(),
+                u8::from(threshold.limited).to_string(),
+                threshold.trials.to_string(),
+            ])?;
+        }
+    }
+    Ok(())
+}
+
+fn fits(results: &[ObserverResult<'_>], table: &mut Table) -> Result<(), LabError> {
+    for result in results {
+        let fit = &result.fit;
+        let supported = matches!(fit.support, analysis::mar::Support::Supported);
+        for (quantity, estimate) in [("m", fit.m), ("omega0", fit.omega0), ("width", fit.width), ("lapse", fit.lapse)] {
+            table.row([
+                result.observer.clone(),
+                quantity.to_owned(),
+                estimate.estimate.to_string(),
+                estimate.ci95[0].to_string(),
+                estimate.ci95[1].to_string(),
+                u8::from(quantity == "omega0" && fit.display_limited).to_string(),
+                u8::from(supported).to_string(),
+                fit.trials.to_string(),
+            ])?;
+        }
+    }
+    Ok(())
+}

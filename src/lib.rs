@@ -1,0 +1,17 @@
+//! The lab: everything of Parafovea that touches the world.
+//!
+//! `experiments` says what is asked, `stimuli` draws it, `analysis` fits it; this crate connects them to windows, eye
+//! trackers, disks and the terminal. One folder for each side of the world: [`stage`] (where trials happen), [`gaze`]
+//! (eye trackers), [`session`] (the journal on disk), [`replay`], [`export`] and [`cli`] (one file for each command).
+
+pub mod cli;
+pub mod error;
+pub mod export;
+pub mod gaze;
+pub mod replay;
+pub mod report;
+pub mod results;
+pub mod session;
+pub mod stage;
+
+pub use error::LabError;

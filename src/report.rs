@@ -1,0 +1,170 @@
+//! The report of an analysis: gathers from sessions on disk what `analysis::report` puts on its page.
+
+use crate::error::LabError;
+use crate::results::{ObserverResult, fixation_deg};
+use crate::session::SessionFolder;
+use analysis::figures::{GazeView, TrackPoint};
+use analysis::gaze::GazeSample;
+use analysis::mar::Estimate;
+use analysis::report::{ReportInput, SessionReport, html};
+use analysis::timing::Frame;
+use experiments::mar::MarModel;
+use experiments::procedures::Belief;
+use experiments::trial::{Outcome, PhaseName};
+use std::path::Path;
+
+/// A 95 % interval of a normal posterior, in standard deviations.
+const NORMAL_95: f64 = 1.959_964;
+
+/// Writes the report of some results as one HTML page.
+///
+/// # Errors
+/// When a session's tables cannot be read or the page cannot be written.
+pub fn write(results: &[ObserverResult<'_>], path: &Path) -> Result<(), LabError> {
+    let sessions = results.iter().map(session_report).collect::<Result<Vec<_>, _>>()?;
+    let title = results
+        .first()
+        .and_then(|result| result.sessions.first())
+        .map_or_else(|| "Analysis".to_owned(), |session| session.header.study.title.clone());
+    let input = ReportInput {
+        title,
+        program_version: format!("parafovea {}", env!("CARGO_PKG_VERSION")),
+        generated: Some(chrono::Local::now().format("%Y-%m-%d %H:%M").to_string()),
+        software: Vec::new(),
+        sessions,
+    };
+    std::fs::write(path, html(&input)).map_err(|error| LabError::io("write", path, &error))
+}
+
+fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError> {
+    let first = result.sessions[0];
+    let header = &first.header;
+    let (mut gaze, mut frames) = (Vec::new(), Vec::new());
+    for session in &result.sessions {
+        gaze.extend(gaze_during_stimuli(session)?);
+        frames.extend(frames_of(session)?);
+    }
+    let study: serde_json::Value = serde_json::from_str(&header.study.text).unwrap_or_default();
+    let names: Vec<String> = result.sessions.iter().map(|session| session.path.display().to_string()).collect();
+    Ok(SessionReport {
+        observer: result.observer.clone(),
+        study: header.study.name.clone(),
+        session: names.join(", "),
+        started: Some(header.started.clone()),
+        display: first.display.clone(),
+        gaze_source: header.gaze_source["source"].as_str().unwrap_or("unknown").to_owned(),
+        stimulus: stimulus(&study),
+        adapter: header.stage.gpu.clone().unwrap_or_else(|| "no pictures were drawn".to_owned()),
+        seed: header.seed,
+        run_version: format!("{} {}", header.program.name, header.program.version),
+        facts: vec![("Frame pacing".to_owned(), header.stage.pacing.clone())],
+        truth: header
+            .simulated
+            .as_ref()
+            .and_then(|simulated| serde_json::from_value::<MarModel>(simulated["truth"].clone()).ok()),
+        fit: result.fit.clone(),
+        track: result.sessions.iter().flat_map(|session| track(session)).collect(),
+        gaze,
+        gaze_view: GazeView {
+            half_field_deg: first.display.half_field_deg(),
+            fixation_deg: fixation_deg(first),
+            gate_deg: study["gaze"]["gate_deg"].as_f64(),
+        },
+        aborted_trials: result
+            .sessions
+            .iter()
+            .flat_map(|session| &session.record.trials)
+            .filter(|trial| !matches!(trial.outcome, Outcome::Answered { .. }))
+            .count(),
+        frames,
+        measured_refresh_hz: (header.stage.kind == "window").then(|| 1.0 / header.stage.frame_s),
+        virtual_time: header.stage.kind == "offscreen",
+    })
+}
+
+/// The scenes and renderers of a study's conditions, in words.
+fn stimulus(study: &serde_json::Value) -> String {
+    let conditions = study["conditions"].as_object();
+    let described: Vec<String> = conditions
+        .into_iter()
+        .flatten()
+        .map(|(name, condition)| {
+            let text = |key: &str| condition[key].as_str().unwrap_or("?").to_owned();
+            format!("{name}: scene {}, renderer {}", text("scene"), text("renderer"))
+        })
+        .collect();
+    described.join("; ")
+}
+
+fn track(session: &SessionFolder) -> Vec<TrackPoint> {
+    let interval = |belief: &Belief| Estimate {
+        estimate: belief.mean,
+        ci95: [(belief.mean - NORMAL_95 * belief.sd).max(0.0), belief.mean + NORMAL_95 * belief.sd],
+    };
+    session
+        .record
+        .trials
+        .iter()
+        .filter(|record| !record.trial.practice)
+        .filter_map(|record| {
+            let belief = |name: &str| record.estimate.as_ref()?.get(name).map(interval);
+            Some(TrackPoint {
+                trial: record.trial.trial,
+                eccentricity_deg: record.trial.eccentricity_deg?,
+                mar_deg: record.trial.mar_deg?,
+                correct: record.correct()?,
+                m: belief("m"),
+                omega0: belief("omega0_deg"),
+            })
+        })
+        .collect()
+}
+
+/// Gaze samples that fell into a stimulus interval, both tables read once in order of time.
+fn gaze_during_stimuli(session: &SessionFolder) -> Result<Vec<GazeSample>, LabError> {
+    let fixation = fixation_deg(session);
+    let mut intervals: Vec<(f64, f64)> = Vec::new();
+    for trial in &session.record.trials {
+        for (index, (phase, began_s)) in trial.phases.iter().enumerate() {
+            if matches!(phase, PhaseName::Interval1 | PhaseName::Interval2) {
+                let ended_s = trial.phases.get(index + 1).map_or(trial.ended_s, |next| next.1);
+                intervals.push((*began_s, ended_s));
+            }
+        }
+    }
+    let mut next = 0;
+    let table = session.gaze()?;
+    Ok(table
+        .rows
+        .into_iter()
+        .filter_map(|row| {
+            while intervals.get(next).is_some_and(|&(_, ended_s)| ended_s <= row.t_s) {
+                next += 1;
+            }
+            let &(began_s, _) = intervals.get(next)?;
+            (row.t_s >= began_s).then(|| GazeSample {
+                t_s: row.t_s,
+                position_deg: [row.x_deg, row.y_deg],
+                deviation_deg: session.display.eccentricity_deg(fixation, [row.x_deg, row.y_deg]),
+                valid: row.valid,
+            })
+        })
+        .collect())
+}
+
+fn frames_of(session: &SessionFolder) -> Result<Vec<Frame>, LabError> {
+    let mut before = None;
+    let rows = session.frames()?.rows.into_iter();
+    Ok(rows
+        .map(|row| {
+            let paused = row.phase == PhaseName::Paused;
+            Frame {
+                presented_s: row.presented_s,
+                missed: row.missed,
+                gaze_age_s: row.gaze_age_s,
+                // Nothing is measured across a pause or a resumed session.
+                after_gap: before.replace(paused) != Some(paused),
+            }
+        })
+        .collect())
+}

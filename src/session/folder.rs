@@ -1,0 +1,151 @@
+//! Opening a session's folder: after an orderly end, after a kill, or long afterwards on another machine.
+//!
+//! Every acknowledged event is recovered. A torn tail is left out and reported; it is cut from the file only when the
+//! session goes on, and is kept beside it then.
+
+use super::header::{FORMAT, Header, sha256_hex};
+use super::journal::{self, Damage, Journal};
+use super::names;
+use super::tables::{self, FrameRow, GazeRow, Table};
+use crate::error::LabError;
+use experiments::Display;
+use experiments::session::record::Record;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A session that was read back.
+#[derive(Debug)]
+pub struct SessionFolder {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its header.
+    pub header: Header,
+    /// Its display, from the header.
+    pub display: Display,
+    /// Its journal, up to any damage.
+    pub journal: Journal,
+    /// The journal's trials.
+    pub record: Record,
+}
+
+impl SessionFolder {
+    /// Reads header and journal; gaze and frames are read when asked for, since they may be large.
+    ///
+    /// # Errors
+    /// One message when the folder is not a session, its header cannot be used, or its journal holds no event.
+    pub fn open(path: &Path) -> Result<Self, LabError> {
+        if !path.is_dir() {
+            return Err(LabError::BadInput(format!("{}: expected a session's folder", path.display())));
+        }
+        let header_path = path.join(names::HEADER);
+        let bytes = read(&header_path)?;
+        let header: Header = serde_json::from_slice(&bytes).map_err(|error| {
+            LabError::BadInput(format!(
+                "{}:{}:{}: expected a session header: {error}",
+                header_path.display(),
+                error.line(),
+                error.column()
+            ))
+        })?;
+        if header.format != FORMAT {
+            return Err(LabError::BadInput(format!(
+                "{}: expected session format {FORMAT}, found {}; a newer program wrote it",
+                header_path.display(),
+                header.format
+            )));
+        }
+        if sha256_hex(header.study.text.as_bytes()) != header.study.sha256 {
+            return Err(LabError::BadInput(format!(
+                "{}: study.text does not match study.sha256; the header was changed",
+                header_path.display()
+            )));
+        }
+        let display = header
+            .display
+            .display()
+            .map_err(|problem| LabError::BadInput(format!("{}: display.{problem}", header_path.display())))?;
+        let events_path = path.join(names::EVENTS);
+        let journal = journal::read(&read(&events_path)?);
+        if journal.events.is_empty() {
+            let why = journal.damage.as_ref().map_or_else(|| "it is empty".to_owned(), ToString::to_string);
+            return Err(LabError::BadInput(format!("{}: no event can be read: {why}", events_path.display())));
+        }
+        let record = Record::from_events(&journal.events);
+        Ok(Self { path: path.to_owned(), header, display, journal, record })
+    }
+
+    /// Every gaze sample, up to any damage.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn gaze(&self) -> Result<Table<GazeRow>, LabError> {
+        Ok(tables::read_rows(&read(&self.path.join(names::GAZE))?))
+    }
+
+    /// Every frame, up to any damage.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn frames(&self) -> Result<Table<FrameRow>, LabError> {
+        Ok(tables::read_rows(&read(&self.path.join(names::FRAMES))?))
+    }
+
+    /// What a reader should know about the session's state; nothing for a complete, sound one.
+    #[must_use]
+    pub fn notices(&self) -> Vec<String> {
+        let mut notices = Vec::new();
+        let path = self.path.display();
+        if let Some(damage) = &self.journal.damage {
+            notices.push(format!(
+                "{path}/{}: {damage}. {} events before it are sound and are used.",
+                names::EVENTS,
+                self.journal.events.len()
+            ));
+        }
+        if !self.record.finished {
+            let open = self
+                .record
+                .open_trial
+                .as_ref()
+                .map_or_else(String::new, |trial| format!("; trial {} had begun and is left out", trial.trial));
+            notices.push(format!("{path}: the session did not run to its end{open}."));
+        }
+        notices
+    }
+
+    /// Cuts torn tails from the session's files so that it can go on; what is cut is kept in files beside them.
+    ///
+    /// # Errors
+    /// When the journal is corrupt (and not merely torn), or a file cannot be written.
+    pub fn cut_torn_tails(&self) -> Result<(), LabError> {
+        if let Some(damage @ Damage::Corrupt { .. }) = &self.journal.damage {
+            return Err(LabError::BadInput(format!(
+                "{}: {damage}. A corrupt session can be analysed up to there, but not go on.",
+                self.path.join(names::EVENTS).display()
+            )));
+        }
+        for name in [names::EVENTS, names::GAZE, names::FRAMES] {
+            let path = self.path.join(name);
+            let bytes = read(&path)?;
+            let sound = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            if sound == bytes.len() {
+                continue;
+            }
+            let kept = (1..)
+                .map(|n| self.path.join(format!("{name}.torn-{n}")))
+                .find(|candidate| !candidate.exists())
+                .unwrap_or_else(|| self.path.join(format!("{name}.torn")));
+            fs::write(&kept, &bytes[sound..]).map_err(|error| LabError::io("write", &kept, &error))?;
+            fs::OpenOptions::new()
+                .write(true)
+                .open(&path)
+                .and_then(|file| file.set_len(sound as u64).and_then(|()| file.sync_all()))
+                .map_err(|error| LabError::io("cut", &path, &error))?;
+        }
+        Ok(())
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, LabError> {
+    fs::read(path).map_err(|error| LabError::BadInput(format!("cannot read {}: {error}", path.display())))
+}

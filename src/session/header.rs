@@ -1,0 +1,167 @@
+//! `session.json`: everything that a session's data mean, written before the first event and never changed.
+//!
+//! The study is kept as text, byte for byte, with its SHA-256, so that the session explains itself without any other
+//! file.
+
+use experiments::Display;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+/// Version of the session folder's format.
+pub const FORMAT: u32 = 1;
+
+/// The header of a session.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// Version of the folder's format, [`FORMAT`].
+    pub format: u32,
+    /// Who answered.
+    pub observer: String,
+    /// Wall-clock time of the start, RFC 3339.
+    pub started: String,
+    /// The study.
+    pub study: StudyText,
+    /// The display, with its geometry.
+    pub display: DisplayRecord,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// The generator behind the streams.
+    pub generator: String,
+    /// Where gaze came from, with all parameters.
+    pub gaze_source: serde_json::Value,
+    /// Who answered, if it was a simulation: the model and its truth.
+    pub simulated: Option<serde_json::Value>,
+    /// How frames were shown.
+    pub stage: StageRecord,
+    /// The program that wrote it.
+    pub program: Program,
+}
+
+/// The study's text.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyText {
+    /// The study's name.
+    pub name: String,
+    /// Its title.
+    pub title: String,
+    /// File or shipped name it was read from.
+    pub file: String,
+    /// SHA-256 of the text, in hex.
+    pub sha256: String,
+    /// The text, verbatim.
+    pub text: String,
+}
+
+/// A display as plain numbers, in the form of a display file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DisplayRecord {
+    /// Name.
+    pub name: String,
+    /// Pixels.
+    pub resolution_px: [u32; 2],
+    /// Millimetres.
+    pub size_mm: [f64; 2],
+    /// Millimetres.
+    pub distance_mm: f64,
+    /// Hertz.
+    pub refresh_hz: f64,
+    /// cd/m², where measured.
+    pub peak_cd_m2: Option<f64>,
+}
+
+/// How frames were shown.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageRecord {
+    /// `window` or `offscreen`.
+    pub kind: String,
+    /// Whether pictures were drawn (`--no-render` draws none).
+    pub rendered: bool,
+    /// Seconds between frames, measured in a window, declared offscreen.
+    pub frame_s: f64,
+    /// How frames were paced: by the display's vertical blank, a timer, or virtual time.
+    pub pacing: String,
+    /// The GPU adapter and driver.
+    pub gpu: Option<String>,
+}
+
+/// The program and machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Program {
+    /// Name.
+    pub name: String,
+    /// Version.
+    pub version: String,
+    /// Operating system and processor.
+    pub host: String,
+}
+
+impl Program {
+    /// This program, here.
+    #[must_use]
+    pub fn here() -> Self {
+        Self {
+            name: env!("CARGO_PKG_NAME").to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            host: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+        }
+    }
+}
+
+impl From<&Display> for DisplayRecord {
+    fn from(display: &Display) -> Self {
+        Self {
+            name: display.name().to_owned(),
+            resolution_px: display.resolution_px(),
+            size_mm: display.size_mm(),
+            distance_mm: display.distance_mm(),
+            refresh_hz: display.refresh_hz(),
+            peak_cd_m2: display.peak_cd_m2(),
+        }
+    }
+}
+
+impl DisplayRecord {
+    /// The display it describes.
+    ///
+    /// # Errors
+    /// When the numbers are not a display, in words.
+    pub fn display(&self) -> Result<Display, String> {
+        let built = Display::new(self.name.as_str(), self.resolution_px, self.size_mm, self.distance_mm)
+            .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
+        let built = built.with_refresh_hz(self.refresh_hz).map_err(|error| error.to_string())?;
+        match self.peak_cd_m2 {
+            Some(peak) => built.with_peak_cd_m2(peak).map_err(|error| error.to_string()),
+            None => Ok(built),
+        }
+    }
+}
+
+/// SHA-256 in hex.
+#[must_use]
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// FIPS 180-2, appendix B.1.
+    #[test]
+    fn the_hash_is_sha256() {
+        assert_eq!(sha256_hex(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+
+    #[test]
+    fn a_display_survives_its_record() {
+        for name in experiments::display::NAMED_DISPLAYS {
+            let display = Display::named(name).expect("ships");
+            assert_eq!(DisplayRecord::from(&display).display(), Ok(display));
+        }
+    }
+}

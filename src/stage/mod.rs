@@ -1,0 +1,13 @@
+//! Where trials happen: a window in real time, or an offscreen target in virtual time.
+//!
+//! Both drive the same [`Runner`], which feeds the session machine and the log; [`painter`] turns a phase into a picture
+//! for both, and for replays.
+
+pub mod offscreen;
+pub mod painter;
+pub mod runner;
+pub mod screens;
+pub mod window;
+
+pub use painter::{Painter, View};
+pub use runner::Runner;
