@@ -45,14 +45,14 @@ fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError
         frames.extend(frames_of(session)?);
     }
     let study: serde_json::Value = serde_json::from_str(&header.study.text).unwrap_or_default();
-    let names: Vec<String> = result.sessions.iter().map(|session| session.path.display().to_string()).collect();
+    let names: Vec<String> = result.sessions.iter().map(|session| session.name()).collect();
     Ok(SessionReport {
         observer: result.observer.clone(),
         study: header.study.name.clone(),
         session: names.join(", "),
         started: Some(header.started.clone()),
         display: first.display.clone(),
-        gaze_source: header.gaze_source["source"].as_str().unwrap_or("unknown").to_owned(),
+        gaze_source: header.gaze_source["id"].as_str().unwrap_or("unknown").to_owned(),
         stimulus: stimulus(&study),
         adapter: header.stage.gpu.clone().unwrap_or_else(|| "no pictures were drawn".to_owned()),
         seed: header.seed,

@@ -2,7 +2,7 @@
 
 use super::{inputs, print, progress, say};
 use crate::error::LabError;
-use crate::gaze::{GazeSource, Recorded, Simulated, SimulatedEye};
+use crate::gaze::{GazeSource, Mouse, Recorded, Simulated, SimulatedEye};
 use crate::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
 use crate::session::{SessionFolder, SessionWriter};
 use crate::stage::runner::Tail;
@@ -246,7 +246,7 @@ fn run_in_window(mut request: Request, fullscreen: bool) -> Result<PathBuf, LabE
                     pacing: measured.pacing.to_owned(),
                     gpu: Some(measured.gpu.clone()),
                 };
-                begin(&request, stage, serde_json::json!({ "source": "mouse" }), None)?
+                begin(&request, stage, Mouse::new(&request.plan.display).describe(), None)?
             }
             Some(session) => go_on(&session, &request.plan, Some(chrono::Local::now()), &mut |_| {})?,
         };

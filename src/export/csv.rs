@@ -102,11 +102,6 @@ impl Table {
     }
 }
 
-fn session_name(session: &SessionFolder) -> String {
-    let name = session.path.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
-    name.unwrap_or_else(|| session.path.display().to_string())
-}
-
 fn trials(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError> {
     let bit = |value: bool| u8::from(value).to_string();
     let real = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
@@ -120,7 +115,7 @@ fn trials(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError>
                 Outcome::Aborted { reason } => ("aborted", kebab(serde_json::json!(reason)), String::new()),
             };
             table.row([
-                session_name(session),
+                session.name(),
                 session.header.observer.clone(),
                 trial.trial.to_string(),
                 trial.block.clone(),
@@ -149,7 +144,7 @@ fn copy(sessions: &[SessionFolder], name: &str, table: &mut Table) -> Result<(),
         let path = session.path.join(name);
         let bytes = fs::read(&path).map_err(|error| LabError::io("read", &path, &error))?;
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-        let (session_name, observer) = (session_name(session), session.header.observer.as_str());
+        let (session_name, observer) = (session.name(), session.header.observer.as_str());
         for row in csv::Reader::from_reader(&bytes[..whole]).byte_records() {
             let row = row.map_err(|error| LabError::BadInput(format!("{}: {error}", path.display())))?;
             table.row([session_name.as_bytes(), observer.as_bytes()].into_iter().chain(row.iter()))?;

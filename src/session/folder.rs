@@ -74,6 +74,13 @@ impl SessionFolder {
         Ok(Self { path: path.to_owned(), header, display, journal, record })
     }
 
+    /// The folder's own name, without the path to it.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let whole = self.path.canonicalize().unwrap_or_else(|_| self.path.clone());
+        whole.file_name().map_or_else(|| whole.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+
     /// Every gaze sample, up to any damage.
     ///
     /// # Errors

@@ -200,7 +200,7 @@ mod tests {
         FrameRow {
             index,
             phase_seq: 7,
-            trial: (index % 2 == 0).then_some(3),
+            trial: index.is_multiple_of(2).then_some(3),
             phase: PhaseName::Interval1,
             scheduled_s: 0.1 + 0.2,
             presented_s: 1.0 / 3.0,

@@ -70,7 +70,7 @@ mod tests {
             while !procedure.finished() {
                 shown += 1;
                 let level = procedure.level(&mut rng);
-                if (shown * 7 + seed) % 5 == 0 {
+                if (shown * 7 + seed).is_multiple_of(5) {
                     procedure.put_back(level, &mut rng);
                 } else {
                     procedure.update(&level, true);

@@ -165,7 +165,7 @@ impl Session {
         match (&mut self.place, input) {
             (Place::Finished, _) => return false,
             (Place::Paused(_), Input::Resume | Input::Answered { answer: Answer::Continue }) => {
-                self.unpause(t_s, events)
+                self.unpause(t_s, events);
             }
             (Place::Paused(_), Input::Reopened) => self.enter_paused(None, REOPENED_TEXT, t_s, events),
             (Place::Paused(_), _) => return false,

@@ -6,7 +6,6 @@ use super::event::{Event, Stamped, Trial};
 use crate::procedures::Estimate;
 use crate::trial::{Outcome, PhaseName};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// One trial, as it went.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,24 +52,32 @@ pub struct Record {
     pub reopened_s: Vec<f64>,
 }
 
+/// A trial that has begun.
+struct OpenTrial {
+    trial: Trial,
+    began_s: f64,
+    phases: Vec<(PhaseName, f64)>,
+}
+
 impl Record {
     /// Folds events, in their order, into a record.
     #[must_use]
     pub fn from_events<'a>(events: impl IntoIterator<Item = &'a Stamped>) -> Self {
         let mut record = Self::default();
-        let mut open: BTreeMap<u32, (Trial, f64, Vec<(PhaseName, f64)>)> = BTreeMap::new();
+        // A session has one trial at a time.
+        let mut open: Option<OpenTrial> = None;
         for Stamped { t_s, event, .. } in events {
             match event {
                 Event::TrialBegan(trial) => {
-                    open.insert(trial.trial, (trial.clone(), *t_s, Vec::new()));
+                    open = Some(OpenTrial { trial: trial.clone(), began_s: *t_s, phases: Vec::new() });
                 }
-                Event::PhaseBegan { trial: Some(trial), phase } => {
-                    if let Some((_, _, phases)) = open.get_mut(trial) {
-                        phases.push((*phase, *t_s));
+                Event::PhaseBegan { trial: Some(_), phase } => {
+                    if let Some(open) = &mut open {
+                        open.phases.push((*phase, *t_s));
                     }
                 }
-                Event::TrialEnded { trial, outcome, response_time_s } => {
-                    if let Some((trial, began_s, phases)) = open.remove(trial) {
+                Event::TrialEnded { outcome, response_time_s, .. } => {
+                    if let Some(OpenTrial { trial, began_s, phases }) = open.take() {
                         record.trials.push(TrialRecord {
                             trial,
                             began_s,
@@ -92,7 +99,7 @@ impl Record {
                 _ => {}
             }
         }
-        record.open_trial = open.into_values().next().map(|(trial, _, _)| trial);
+        record.open_trial = open.map(|open| open.trial);
         record
     }
 }

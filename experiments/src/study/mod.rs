@@ -2,7 +2,7 @@
 //!
 //! Text is read with its positions, held against the schema that is generated from [`draft`], and validated into a
 //! [`plan`]; every mistake on the way carries its line and field, and all are reported at once. [`mod@describe`] says what a
-//! plan will do, [`shipped`] holds the studies that come with the program. Nothing here reads a disk.
+//! plan will do, [`shipped()`] holds the studies that come with the program. Nothing here reads a disk.
 
 pub mod describe;
 pub mod draft;
