@@ -3,7 +3,7 @@
 use crate::error::LabError;
 use crate::results::{ObserverResult, fixation_deg};
 use crate::session::SessionFolder;
-use analysis::figures::{GazeView, TrackPoint};
+use analysis::figures::{self, GazeView, TrackPoint};
 use analysis::gaze::GazeSample;
 use analysis::mar::Estimate;
 use analysis::report::{ReportInput, SessionReport, html};
@@ -34,6 +34,29 @@ pub fn write(results: &[ObserverResult<'_>], path: &Path) -> Result<(), LabError
         sessions,
     };
     std::fs::write(path, html(&input)).map_err(|error| LabError::io("write", path, &error))
+}
+
+/// Writes the figures of some results as SVG files into a folder, each named after its observer.
+///
+/// # Errors
+/// When a session's tables cannot be read or a file cannot be written.
+pub fn write_figures(results: &[ObserverResult<'_>], folder: &Path) -> Result<(), LabError> {
+    std::fs::create_dir_all(folder).map_err(|error| LabError::io("make", folder, &error))?;
+    for result in results {
+        let session = session_report(result)?;
+        let figures = [
+            ("mar-line", figures::mar_line(&session.fit)),
+            ("psychometric-curves", figures::psychometric_curves(&session.fit)),
+            ("track", figures::adaptive_track(&session.track)),
+            ("gaze", figures::gaze_density(&session.gaze, &session.gaze_view)),
+            ("frame-timing", figures::frame_timing(&session.frames, session.measured_refresh_hz)),
+        ];
+        for (name, svg) in figures {
+            let path = folder.join(format!("{}-{name}.svg", result.observer));
+            std::fs::write(&path, svg).map_err(|error| LabError::io("write", &path, &error))?;
+        }
+    }
+    Ok(())
 }
 
 fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError> {

@@ -18,6 +18,9 @@ pub(super) struct AnalyzeArgs {
     /// Write a report with figures, one self-contained page.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
+    /// Write the figures as SVG files into this folder.
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -31,6 +34,10 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
     if let Some(path) = &args.report {
         crate::report::write(&results, path)?;
         say(&format!("report: {}", path.display()));
+    }
+    if let Some(folder) = &args.figures {
+        crate::report::write_figures(&results, folder)?;
+        say(&format!("figures: {}", folder.display()));
     }
     if args.json {
         let observers = results.iter().map(|result| ObserverSummary::new(&result.observer, &result.fit)).collect();

@@ -29,13 +29,6 @@ pub(super) fn run(args: &NewArgs) -> Result<(), LabError> {
     let text =
         template.json.replacen(&format!("\"name\": \"{}\"", template.name), &format!("\"name\": \"{}\"", args.name), 1);
     let path = PathBuf::from(format!("{}.json", args.name));
-    // The schema goes beside the study, so that editors complete and check it as it is written.
-    let schema = PathBuf::from("study.schema.json");
-    if !schema.exists() {
-        let schema_text = serde_json::to_string_pretty(&study::study_schema())
-            .map_err(|error| LabError::Failed(error.to_string()))?;
-        fs::write(&schema, schema_text + "\n").map_err(|error| LabError::io("write", &schema, &error))?;
-    }
     fs::File::create_new(&path).and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| {
         match error.kind() {
             std::io::ErrorKind::AlreadyExists => {
@@ -44,6 +37,13 @@ pub(super) fn run(args: &NewArgs) -> Result<(), LabError> {
             _ => LabError::io("write", &path, &error),
         }
     })?;
+    // The schema goes beside the study, so that editors complete and check it as it is written.
+    let schema = PathBuf::from("study.schema.json");
+    if !schema.exists() {
+        let schema_text = serde_json::to_string_pretty(&study::study_schema())
+            .map_err(|error| LabError::Failed(error.to_string()))?;
+        fs::write(&schema, schema_text + "\n").map_err(|error| LabError::io("write", &schema, &error))?;
+    }
     say(&format!("next: edit {0}, then `parafovea check {0}`", path.display()));
     print(&path.display().to_string())
 }
