@@ -16,6 +16,7 @@ pub mod report;
 mod stats;
 pub mod summary;
 mod svg;
+mod text;
 pub mod timing;
 
 pub use mar::{MarFit, MarFitConfig, MarTrial, fit_mar};

@@ -1,12 +1,13 @@
 //! `parafovea demo`: the whole idea at work, with an observer whose acuity is known.
 
-use super::{analyze, inputs, print, replay, run, say};
+use super::{analyze, inputs, print, progress, replay, say};
 use crate::error::LabError;
 use crate::export;
 use crate::replay::Replay;
 use crate::results::fit_sessions;
 use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
+use crate::stage::launch::{OffscreenGaze, Request, StudyFile, run_offscreen};
 use clap::Args;
 use experiments::observers::MarObserver;
 use experiments::trial::{Alternative, PhaseName, Presentation};
@@ -38,15 +39,15 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     let plan = Arc::new(inputs::plan(&study, None)?);
 
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
-    let request = run::Request {
-        plan,
-        study,
-        observer: "SIM".to_owned(),
-        data: args.data.clone(),
-        seed: args.seed,
-        earlier: None,
-    };
-    let folder = run::run_offscreen(request, MarObserver::new(truth, args.seed), None, !args.no_render)?;
+    let most: u32 = plan.blocks.iter().map(|block| block.procedure.max_trials()).sum();
+    let request =
+        Request { plan, study, observer: "SIM".to_owned(), data: args.data.clone(), seed: args.seed, earlier: None };
+    let bar = progress::bar(u64::from(most), "trials");
+    let observer = MarObserver::new(truth, args.seed);
+    let folder = run_offscreen(request, observer, &OffscreenGaze::Simulated, !args.no_render, |completed| {
+        bar.set_position(u64::from(completed));
+    })?;
+    bar.finish_and_clear();
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();
     say(&format!("   {trials} trials in {}", folder.display()));
@@ -65,7 +66,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
         say("4. Frames drawn again from the log alone, compared with the run's hashes");
         let session = &sessions[0];
         let plan = inputs::plan(
-            &inputs::StudyFile { file: STUDY.to_owned(), text: session.header.study.text.clone() },
+            &StudyFile { file: STUDY.to_owned(), text: session.header.study.text.clone() },
             Some(&session.display),
         )?;
         let replayed = Replay::open(session, plan)?;

@@ -1,6 +1,7 @@
 //! Reading what the user names: studies and displays, by file or by the name under which they ship.
 
 use crate::error::LabError;
+use crate::stage::launch::StudyFile;
 use experiments::display::NAMED_DISPLAYS;
 use experiments::study::{self, Mistakes, Plan};
 use experiments::{Catalogue, Display};
@@ -8,15 +9,6 @@ use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnost
 use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::path::Path;
-
-/// A study's text and where it came from.
-#[derive(Debug, Clone)]
-pub(super) struct StudyFile {
-    /// The file, or the name of a shipped study.
-    pub file: String,
-    /// The text.
-    pub text: String,
-}
 
 /// The display that a `--display` option names.
 pub(super) fn display(name_or_file: Option<&str>) -> Result<Option<Display>, LabError> {

@@ -22,8 +22,9 @@ pub(super) fn run(args: &NewArgs) -> Result<(), LabError> {
         let names: Vec<&str> = study::shipped().iter().map(|shipped| shipped.name).collect();
         LabError::BadInput(format!("--from {}: expected one of {}", args.from, names.join(", ")))
     })?;
-    let kebab = args.name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-');
-    if !kebab || args.name.is_empty() || args.name.starts_with('-') || args.name.ends_with('-') {
+    // What the study format takes for a name: words of letters and digits with one hyphen between two of them.
+    let word = |word: &str| !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+    if !args.name.split('-').all(word) {
         return Err(LabError::BadInput(format!("\"{}\": expected a name of a-z, 0-9 and -", args.name)));
     }
     let text =

@@ -1,8 +1,10 @@
 //! Where trials happen: a window in real time, or an offscreen target in virtual time.
 //!
-//! Both drive the same [`Runner`], which feeds the session machine and the log; [`painter`] turns a phase into a picture
+//! [`launch`] starts a session in either. Both drive the same [`Runner`], which feeds the session machine and the log; [`painter`] turns a phase into a picture
 //! for both, and for replays.
 
+pub mod frame_hash;
+pub mod launch;
 pub mod offscreen;
 pub mod painter;
 pub mod runner;

@@ -3,7 +3,8 @@
 //! A frame lasts exactly one refresh interval of the study's display, however long it takes to draw, so that a slow
 //! machine gives the same session as a fast one. Frames whose picture has not changed are logged and not drawn again.
 
-use super::painter::{FrameKey, Painter, picture_hash};
+use super::frame_hash::picture_hash;
+use super::painter::{FrameKey, Painter};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::GazeSource;

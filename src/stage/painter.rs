@@ -250,12 +250,6 @@ impl From<&View<'_>> for FrameKey {
     }
 }
 
-/// The hash of a frame's 8-bit RGBA bytes, as written to `frames.csv`: XXH3-64 in hex.
-#[must_use]
-pub fn picture_hash(rgba: &[u8]) -> String {
-    format!("{:016x}", xxhash_rust::xxh3::xxh3_64(rgba))
-}
-
 impl std::fmt::Debug for Painter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Painter").field("display", &self.display).finish_non_exhaustive()

@@ -4,7 +4,8 @@
 //! the loop reads the newest gaze as late as it can, draws, presents, and logs when the frame was due and when it was
 //! handed over. Keys: 1 or ← first, 2 or → second, space or Enter go on, Escape pauses; Escape again leaves.
 
-use super::painter::{Painter, View, picture_hash};
+use super::frame_hash::PendingHash;
+use super::painter::{Painter, View};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::{GazeSource, Mouse};
@@ -14,7 +15,6 @@ use experiments::study::plan::GazePlan;
 use experiments::trial::{Answer, Input, PhaseName, Presentation};
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 use stimuli::display_pass::DisplayPass;
 use stimuli::gpu::Gpu;
@@ -106,14 +106,6 @@ struct Running {
     vertical_blank: bool,
     hashed_phase: Option<u64>,
     rows: VecDeque<(FrameRow, Option<PendingHash>)>,
-}
-
-/// A frame's pixels on their way from the GPU.
-struct PendingHash {
-    buffer: wgpu::Buffer,
-    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
-    row_bytes: usize,
-    padded_row_bytes: usize,
 }
 
 impl ApplicationHandler for App {
@@ -431,9 +423,11 @@ impl Stage {
         for sample in samples {
             running.runner.gaze_sample(now_s, sample)?;
         }
-        let scheduled_s = running.due_s.max(now_s - running.frame_s);
-        running.runner.tick(scheduled_s, running.frame_s, false)?;
-        let (Some(view), Some(texture)) = (running.runner.view(scheduled_s), acquired) else {
+        // A frame that is already late shows the present, not the moment it was due for.
+        let scheduled_s = running.due_s;
+        let shown_s = scheduled_s.max(now_s - running.frame_s);
+        running.runner.tick(shown_s, running.frame_s, false)?;
+        let (Some(view), Some(texture)) = (running.runner.view(shown_s), acquired) else {
             running.due_s = now_s + running.frame_s;
             running.flush_rows(false)?;
             let finished = running.runner.session().finished();
@@ -443,65 +437,26 @@ impl Stage {
         // Draw, present, and note when.
         let cost = self.show(texture, &view)?;
         let presented_s = running.zero.elapsed().as_secs_f64();
+        let missed = presented_s - scheduled_s > 0.5 * running.frame_s;
         let first_of_interval = matches!(view.presentation, Presentation::Stimulus(_))
             && running.hashed_phase.replace(running.runner.phase_seq()) != Some(running.runner.phase_seq());
-        let hash = first_of_interval.then(|| self.copy_for_hash(&view));
+        let hash = first_of_interval.then(|| PendingHash::start(&self.painter, &self.hash_pass, &view));
         if let Some(mut row) = running.runner.frame_row(scheduled_s, view.animation_s) {
             row.presented_s = presented_s;
-            row.missed = presented_s - scheduled_s > 0.5 * running.frame_s + running.frame_s;
+            row.missed = missed;
             row.gaze_age_s = running.runner.gaze().map(|gaze| presented_s - gaze.t_s);
             row.pixels_shaded = Some(cost.map_or(0, |cost| cost.pixels_shaded));
             row.gpu_time_s = cost.and_then(|cost| cost.gpu_time_s);
             running.rows.push_back((row, hash));
         }
         running.runner.count_frame();
-        running.due_s = if presented_s > scheduled_s + 1.5 * running.frame_s {
-            presented_s + running.frame_s
-        } else {
-            scheduled_s + running.frame_s
-        };
+        // The display's own clock leads where there is one: counting on from what was due would drift away from it.
+        running.due_s = if running.vertical_blank || missed { presented_s } else { scheduled_s } + running.frame_s;
         // An error of the device is looked for here; it never waits.
         let _ = self.painter.gpu.device.poll(wgpu::PollType::Poll);
         self.painter.gpu.check()?;
         running.flush_rows(false)?;
         Ok(Flow::Stay)
-    }
-
-    /// Starts bringing the frame back for its hash, without waiting.
-    fn copy_for_hash(&self, view: &View<'_>) -> PendingHash {
-        let gpu = &self.painter.gpu;
-        let target = self.painter.target(self.hash_pass.format());
-        let [width, height] = [target.width(), target.height()];
-        let target_view = target.create_view(&wgpu::TextureViewDescriptor::default());
-        self.painter.compose(view, &self.hash_pass, &target_view, [width, height]);
-        let row_bytes = 4 * width;
-        let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("hashed frame"),
-            size: u64::from(padded_row_bytes) * u64::from(height),
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_texture_to_buffer(
-            target.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(padded_row_bytes),
-                    rows_per_image: None,
-                },
-            },
-            target.size(),
-        );
-        gpu.queue.submit([encoder.finish()]);
-        let (sender, mapped) = sync_channel(1);
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver may be gone when the window closes; then nobody needs the answer.
-            let _ = sender.send(result);
-        });
-        PendingHash { buffer, mapped, row_bytes: row_bytes as usize, padded_row_bytes: padded_row_bytes as usize }
     }
 }
 
@@ -509,12 +464,11 @@ impl Running {
     /// Sends rows whose hashes have arrived to the log, in order; with `last`, all rows, hashed or not.
     fn flush_rows(&mut self, last: bool) -> Result<(), LabError> {
         while let Some((row, pending)) = self.rows.front_mut() {
-            if let Some(waiting) = pending {
-                match waiting.mapped.try_recv() {
-                    Ok(Ok(())) => row.hash = waiting.hash(),
-                    Ok(Err(_)) => {}
-                    Err(_) if last => {}
-                    Err(_) => return Ok(()),
+            if let Some(pending) = pending {
+                match pending.arrived() {
+                    Some(hash) => row.hash = hash,
+                    None if last => {}
+                    None => return Ok(()),
                 }
             }
             if let Some((row, _)) = self.rows.pop_front() {
@@ -522,14 +476,5 @@ impl Running {
             }
         }
         Ok(())
-    }
-}
-
-impl PendingHash {
-    fn hash(&self) -> Option<String> {
-        let mapped = self.buffer.get_mapped_range(..).ok()?;
-        let bytes: Vec<u8> =
-            mapped.chunks_exact(self.padded_row_bytes).flat_map(|row| &row[..self.row_bytes]).copied().collect();
-        Some(picture_hash(&bytes))
     }
 }

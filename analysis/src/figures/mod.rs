@@ -20,5 +20,5 @@ const WIDTH: f64 = 720.0;
 
 /// A number with three significant digits, for labels in figures.
 fn significant(value: f64) -> String {
-    crate::report::significant(value, 3)
+    crate::text::significant(value, 3)
 }

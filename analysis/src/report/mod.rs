@@ -5,7 +5,6 @@
 //! on paper. Text that came from outside is escaped everywhere.
 
 mod sections;
-mod text;
 
 use crate::figures::{GazeView, TrackPoint};
 use crate::gaze::GazeSample;
@@ -15,8 +14,6 @@ use crate::svg::escape;
 use crate::timing::Frame;
 use experiments::Display;
 use experiments::mar::MarModel;
-
-pub(crate) use text::significant;
 
 /// Everything that a report shows.
 #[derive(Debug, Clone, PartialEq)]

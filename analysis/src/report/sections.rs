@@ -1,9 +1,9 @@
 //! The parts of the page, in the order in which they are read.
 
-use super::text::{degrees, facts, figure, interval, listed, milliseconds, percent, significant, table, with_interval};
 use super::{ReportInput, SessionReport};
 use crate::mar::{Estimate, MarFit};
 use crate::svg::escape;
+use crate::text::{degrees, facts, figure, interval, listed, milliseconds, percent, significant, table, with_interval};
 use crate::{figures, gaze, timing};
 use experiments::Display;
 

@@ -24,32 +24,32 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A share as a percentage with one decimal.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     if share.is_finite() { format!("{:.1} %", 100.0 * share) } else { "–".to_owned() }
 }
 
 /// Seconds as milliseconds with one decimal.
-pub(super) fn milliseconds(seconds: Option<f64>) -> String {
+pub(crate) fn milliseconds(seconds: Option<f64>) -> String {
     seconds.map_or_else(|| "–".to_owned(), |s| format!("{:.1} ms", 1000.0 * s))
 }
 
 /// Degrees with two decimals.
-pub(super) fn degrees(angle: Option<f64>) -> String {
+pub(crate) fn degrees(angle: Option<f64>) -> String {
     angle.map_or_else(|| "–".to_owned(), |a| format!("{a:.2}°"))
 }
 
 /// `low – high` of an interval.
-pub(super) fn interval(ci95: [f64; 2]) -> String {
+pub(crate) fn interval(ci95: [f64; 2]) -> String {
     format!("{} – {}", significant(ci95[0], 3), significant(ci95[1], 3))
 }
 
 /// `estimate (95 % CI low – high)`.
-pub(super) fn with_interval(estimate: &Estimate) -> String {
+pub(crate) fn with_interval(estimate: &Estimate) -> String {
     format!("{} (95 % CI {})", significant(estimate.estimate, 3), interval(estimate.ci95))
 }
 
 /// A table with a caption; header and cells are escaped, the first column heads its row.
-pub(super) fn table(caption: &str, header: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(caption: &str, header: &[&str], rows: &[Vec<String>]) -> String {
     let mut html = format!("<div class=\"table\"><table>\n<caption>{}</caption>\n<thead><tr>", escape(caption));
     for cell in header {
         html.push_str(&format!("<th scope=\"col\">{}</th>", escape(cell)));
@@ -71,7 +71,7 @@ pub(super) fn table(caption: &str, header: &[&str], rows: &[Vec<String>]) -> Str
 }
 
 /// A list of labelled facts.
-pub(super) fn facts(rows: &[(String, String)]) -> String {
+pub(crate) fn facts(rows: &[(String, String)]) -> String {
     let mut html = String::from("<dl>\n");
     for (label, value) in rows {
         let wide = if value.chars().count() > 60 { " class=\"wide\"" } else { "" };
@@ -82,12 +82,12 @@ pub(super) fn facts(rows: &[(String, String)]) -> String {
 }
 
 /// A figure with its caption; `svg` is trusted, `caption` is not.
-pub(super) fn figure(svg: &str, caption: &str) -> String {
+pub(crate) fn figure(svg: &str, caption: &str) -> String {
     format!("<figure>\n{svg}<figcaption>{}</figcaption>\n</figure>\n", escape(caption))
 }
 
 /// Items of a sentence: `a, b and c`.
-pub(super) fn listed(items: &[String]) -> String {
+pub(crate) fn listed(items: &[String]) -> String {
     match items {
         [] => "none".to_owned(),
         [one] => one.clone(),
