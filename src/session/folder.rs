@@ -38,6 +38,13 @@ impl SessionFolder {
             return Err(LabError::BadInput(format!("{}: expected a session's folder", path.display())));
         }
         let header_path = path.join(names::HEADER);
+        if !header_path.exists() {
+            return Err(LabError::BadInput(format!(
+                "{}: expected a session's folder, found none of its files ({} is missing)",
+                path.display(),
+                names::HEADER
+            )));
+        }
         let bytes = read(&header_path)?;
         let header: Header = serde_json::from_slice(&bytes).map_err(|error| {
             LabError::BadInput(format!(
@@ -120,7 +127,8 @@ impl SessionFolder {
         notices
     }
 
-    /// Cuts torn tails from the session's files so that it can go on; what is cut is kept in files beside them.
+    /// Cuts torn tails from the session's files so that it can go on, and frames that rest on what was torn; what is cut
+    /// is kept in files beside them.
     ///
     /// # Errors
     /// When the journal is corrupt (and not merely torn), or a file cannot be written.
@@ -131,10 +139,18 @@ impl SessionFolder {
                 self.path.join(names::EVENTS).display()
             )));
         }
+        let (gaze, frames) = (self.gaze()?, self.frames()?);
+        let frames = self.sound_frames(&frames.rows, gaze.rows.len());
         for name in [names::EVENTS, names::GAZE, names::FRAMES] {
             let path = self.path.join(name);
             let bytes = read(&path)?;
-            let sound = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
+            let most_lines = if name == names::FRAMES { frames + 1 } else { usize::MAX };
+            let sound: usize = bytes
+                .split_inclusive(|&byte| byte == b'\n')
+                .take(most_lines)
+                .filter(|line| line.ends_with(b"\n"))
+                .map(<[u8]>::len)
+                .sum();
             if sound == bytes.len() {
                 continue;
             }
@@ -150,6 +166,17 @@ impl SessionFolder {
                 .map_err(|error| LabError::io("cut", &path, &error))?;
         }
         Ok(())
+    }
+
+    /// How many frames, from the first, refer only to events and gaze samples that are there. The tables are not
+    /// synced with each other within a trial, so a kill may leave frames whose phase or sample it took; their numbers
+    /// will be given to others when the session goes on.
+    fn sound_frames(&self, frames: &[FrameRow], gaze_rows: usize) -> usize {
+        let (events, gaze_rows) = (self.journal.events.len() as u64, gaze_rows as u64);
+        frames
+            .iter()
+            .position(|frame| frame.phase_seq >= events || frame.gaze_row.is_some_and(|row| row >= gaze_rows))
+            .unwrap_or(frames.len())
     }
 }
 
