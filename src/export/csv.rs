@@ -142,7 +142,8 @@ fn trials(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError>
 fn copy(sessions: &[SessionFolder], name: &str, table: &mut Table) -> Result<(), LabError> {
     for session in sessions {
         let path = session.path.join(name);
-        let bytes = fs::read(&path).map_err(|error| LabError::io("read", &path, &error))?;
+        let bytes =
+            fs::read(&path).map_err(|error| LabError::BadInput(format!("cannot read {}: {error}", path.display())))?;
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
         let (session_name, observer) = (session.name(), session.header.observer.as_str());
         for row in csv::Reader::from_reader(&bytes[..whole]).byte_records() {

@@ -1,0 +1,132 @@
+//! Do the 95 % intervals hold the truth? The shipped demo study is run by forty simulated observers who differ only in
+//! their seed, and every session is fitted as `analyze` fits it.
+//!
+//! With exact intervals 38 of 40 are expected to hold; 35 to 40 is 87–100 %.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that cannot go on should say so and stop")]
+
+use analysis::mar::Estimate;
+use experiments::observers::MarObserver;
+use experiments::session::record::Record;
+use experiments::session::simulate::simulate;
+use experiments::study::{Plan, parse_study, shipped};
+use parafovea::results::fit_sessions;
+use parafovea::session::SessionFolder;
+use parafovea::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
+use parafovea::session::journal::Journal;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+
+const SEEDS: u64 = 40;
+const TRUTH: &str = "omega0=0.021,m=0.022,width=0.6,lapse=0.02";
+
+/// What one simulated session gave.
+struct Fitted {
+    seed: u64,
+    trials: usize,
+    m: Estimate,
+    omega0: Estimate,
+}
+
+/// The session that `run` would have written, without its disk.
+fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
+    let mut observer = MarObserver::new(MarObserver::parse_model(TRUTH).unwrap(), seed);
+    let events = simulate(plan, seed, &mut observer);
+    let record = Record::from_events(&events);
+    assert!(record.finished, "seed {seed}");
+    let header = Header {
+        format: FORMAT,
+        observer: "SIM".to_owned(),
+        started: String::new(),
+        study: StudyText {
+            name: plan.name.clone(),
+            title: plan.title.clone(),
+            file: plan.name.clone(),
+            sha256: sha256_hex(text.as_bytes()),
+            text: text.to_owned(),
+        },
+        display: DisplayRecord::from(&plan.display),
+        seed,
+        generator: String::new(),
+        gaze_source: serde_json::Value::Null,
+        simulated: None,
+        stage: StageRecord {
+            kind: "offscreen".to_owned(),
+            rendered: false,
+            frame_s: 1.0 / plan.display.refresh_hz(),
+            pacing: "none".to_owned(),
+            gpu: None,
+        },
+        program: Program::here(),
+    };
+    let journal = Journal { events, sound_bytes: 0, damage: None };
+    SessionFolder {
+        path: PathBuf::from(format!("seed-{seed}")),
+        header,
+        display: plan.display.clone(),
+        journal,
+        record,
+    }
+}
+
+fn fitted(plan: &Arc<Plan>, text: &str, seed: u64) -> Fitted {
+    let sessions = [session_in_memory(plan, text, seed)];
+    let results = fit_sessions(&sessions).unwrap();
+    let fit = &results[0].fit;
+    Fitted { seed, trials: fit.trials, m: fit.m, omega0: fit.omega0 }
+}
+
+/// How many intervals hold the truth; says which do not and how wide they are.
+fn count(name: &str, truth: f64, all: &[Fitted], estimate: impl Fn(&Fitted) -> Estimate) -> usize {
+    let mut widths: Vec<f64> = all.iter().map(&estimate).map(|e| (e.ci95[1] - e.ci95[0]) / truth).collect();
+    widths.sort_by(f64::total_cmp);
+    let mut estimates: Vec<f64> = all.iter().map(|one| estimate(one).estimate).collect();
+    estimates.sort_by(f64::total_cmp);
+    let missed: Vec<String> = all
+        .iter()
+        .filter(|one| !(estimate(one).ci95[0]..=estimate(one).ci95[1]).contains(&truth))
+        .map(|one| format!("seed {}: {:.5} – {:.5}", one.seed, estimate(one).ci95[0], estimate(one).ci95[1]))
+        .collect();
+    let held = all.len() - missed.len();
+    println!(
+        "{name} = {truth}: {held} of {} intervals hold it; median estimate {:.5}, median width {:.0} % of it; missed: \
+         {missed:?}",
+        all.len(),
+        estimates[all.len() / 2],
+        100.0 * widths[all.len() / 2]
+    );
+    held
+}
+
+#[test]
+fn the_intervals_of_m_and_omega0_hold_the_truth_as_often_as_they_say() {
+    let study = shipped().iter().find(|study| study.name == "mar-demo").unwrap();
+    let plan = Arc::new(parse_study(study.name, study.json, &stimuli::registry::catalogue(), None).unwrap());
+    let (next, done) = (AtomicU64::new(1), Mutex::new(Vec::new()));
+    let workers = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed > SEEDS {
+                        break;
+                    }
+                    let one = fitted(&plan, study.json, seed);
+                    done.lock().unwrap().push(one);
+                }
+            });
+        }
+    });
+    let mut all = done.into_inner().unwrap();
+    all.sort_by_key(|one| one.seed);
+    assert_eq!(all.len() as u64, SEEDS);
+    let trials: Vec<usize> = all.iter().map(|one| one.trials).collect();
+    println!("seeds 1 to {SEEDS}, {} to {} trials", trials.iter().min().unwrap(), trials.iter().max().unwrap());
+    let truth = MarObserver::parse_model(TRUTH).unwrap();
+    let m = count("m", truth.m, &all, |one| one.m);
+    let omega0 = count("omega0", truth.omega0_deg, &all, |one| one.omega0);
+    assert!((35..=40).contains(&m), "m is held by {m} of {SEEDS}");
+    assert!((35..=40).contains(&omega0), "omega0 is held by {omega0} of {SEEDS}");
+}

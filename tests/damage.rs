@@ -1,0 +1,236 @@
+//! Truncated, corrupted and empty sessions: whoever analyses one gets one clear message or a result with a notice, never
+//! a panic, and finds every file as it was.
+//!
+//! Where the damage falls is random; the seed is printed, and `PARAFOVEA_TEST_SEED` sets it.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use common::{Ran, TRUTH, contents, copy_folder, csv_table, random, run, session, small_study, write_json};
+use parafovea::session::journal;
+use rand::RngExt;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use tempfile::{TempDir, tempdir};
+
+/// A sound session of 108 trials below a folder that also holds its study.
+fn sound() -> (TempDir, PathBuf) {
+    let folder = tempdir().unwrap();
+    write_json(folder.path(), "study.json", &small_study("small", 6));
+    let session = session(folder.path(), "study.json", "data", 17, &["--no-render"]);
+    (folder, session)
+}
+
+/// A copy of a session with one file replaced.
+fn with_file(sound: &Path, folder: &Path, file: &str, bytes: &[u8]) -> PathBuf {
+    let damaged = folder.join("damaged");
+    if damaged.exists() {
+        std::fs::remove_dir_all(&damaged).unwrap();
+    }
+    copy_folder(sound, &damaged);
+    std::fs::write(damaged.join(file), bytes).unwrap();
+    damaged
+}
+
+/// Analyses a session, which must not panic and must leave every file as it was.
+fn analyze(folder: &Path, session: &Path) -> Ran {
+    let before = contents(session);
+    let ran = run(folder, &["analyze", session.to_str().unwrap(), "--json"]);
+    assert!(contents(session) == before, "analyze changes nothing");
+    assert!(!ran.err.contains("panicked"), "{ran:#?}");
+    assert!(!ran.err.contains("RUST_BACKTRACE"), "{ran:#?}");
+    match ran.code {
+        0 => assert!(ran.json()["observers"].is_array()),
+        // Sound as far as it goes, with too few answers left for a fit.
+        1 => assert!(ran.out.is_empty() && ran.err.contains("cannot be fitted"), "{ran:#?}"),
+        2 => assert!(ran.out.is_empty() && ran.err.lines().count() == 1, "{ran:#?}"),
+        other => panic!("exit code {other}: {ran:#?}"),
+    }
+    ran
+}
+
+fn lines(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|&&byte| byte == b'\n').count()
+}
+
+fn ended_trials(bytes: &[u8]) -> usize {
+    let text = String::from_utf8_lossy(bytes);
+    text.lines().filter(|line| line.contains("\"event\":\"trial-ended\"") && line.ends_with("\"}")).count()
+}
+
+#[test]
+fn a_session_truncated_anywhere_is_read_up_to_there() {
+    let (folder, sound) = sound();
+    let events = std::fs::read(sound.join("events.jsonl")).unwrap();
+    let mut random = random();
+    for attempt in 0..50 {
+        // The first few lines are hit more often than by chance.
+        let most = if attempt % 5 == 0 { 2_000 } else { events.len() };
+        let cut = random.random_range(1..most);
+        let damaged = with_file(&sound, folder.path(), "events.jsonl", &events[..cut]);
+        let ran = analyze(folder.path(), &damaged);
+        let whole = lines(&events[..cut]);
+        let torn = events[cut - 1] != b'\n';
+        assert_eq!(ran.code == 2, whole == 0, "cut at {cut}: {ran:#?}");
+        assert_eq!(ran.err.contains("torn, as after a kill"), torn, "cut at {cut}: {ran:#?}");
+        assert_eq!(ran.err.contains(&format!("line {}", whole + 1)), torn, "cut at {cut}: {ran:#?}");
+        if ran.code == 0 {
+            // The small study's trials are all answered.
+            let trials = journal::read(&events[..cut]).events.len();
+            assert!(trials > 0);
+            assert_eq!(ran.json()["observers"][0]["trials"], ended_trials(&events[..cut]), "cut at {cut}");
+        }
+
+        // The other tables go along with it.
+        if attempt % 10 == 1 && whole > 0 {
+            let before = contents(&damaged);
+            let exported =
+                run(folder.path(), &["export", "damaged", "--format", "csv", "--out", &format!("tables-{attempt}")]);
+            let exported = exported.expect(0);
+            let (_, trials) = csv_table(&folder.path().join(format!("tables-{attempt}/trials.csv")));
+            assert_eq!(trials.len(), ended_trials(&events[..cut]), "{}", exported.err);
+            assert!(contents(&damaged) == before);
+        }
+    }
+}
+
+#[test]
+fn a_changed_bit_in_the_journal_is_found_and_its_line_named() {
+    let (folder, sound) = sound();
+    let events = std::fs::read(sound.join("events.jsonl")).unwrap();
+    let mut random = random();
+    for attempt in 0..40 {
+        let most = if attempt % 5 == 0 { 2_000 } else { events.len() };
+        let (at, bit) = (random.random_range(0..most), random.random_range(0..8));
+        let mut changed = events.clone();
+        changed[at] ^= 1 << bit;
+        let damaged = with_file(&sound, folder.path(), "events.jsonl", &changed);
+        let ran = analyze(folder.path(), &damaged);
+        let line = lines(&events[..at]) + 1;
+        assert!(ran.err.contains(&format!("line {line}")), "byte {at} bit {bit}, line {line}: {ran:#?}");
+        assert!(ran.err.contains("events.jsonl"), "{ran:#?}");
+        assert_eq!(ran.code == 2, line == 1, "{ran:#?}");
+        if ran.code == 0 {
+            let sound_part: usize = events.split_inclusive(|&byte| byte == b'\n').take(line - 1).map(<[u8]>::len).sum();
+            assert_eq!(ran.json()["observers"][0]["trials"], ended_trials(&events[..sound_part]));
+        }
+    }
+}
+
+#[test]
+fn a_changed_header_is_refused_or_still_means_something() {
+    let (folder, sound) = sound();
+    let header = std::fs::read(sound.join("session.json")).unwrap();
+    let text_at = header.windows(8).position(|window| window == b"\"text\": ").unwrap() + 9;
+    let text_end = text_at + header[text_at..].iter().position(|&byte| byte == b'\n').unwrap() - 1;
+    let mut random = random();
+    let mut refused = 0;
+    for attempt in 0..40 {
+        let at = match attempt % 2 {
+            0 => random.random_range(text_at..text_end),
+            _ => random.random_range(0..header.len()),
+        };
+        let mut changed = header.clone();
+        changed[at] ^= 1 << random.random_range(0..8);
+        let damaged = with_file(&sound, folder.path(), "session.json", &changed);
+        let ran = analyze(folder.path(), &damaged);
+        if ran.code == 2 {
+            refused += 1;
+            assert!(ran.err.contains("session.json"), "{ran:#?}");
+        } else {
+            // The study is kept with its hash; elsewhere a changed digit is another number.
+            assert!(!(text_at..text_end).contains(&at), "byte {at} of the study was changed unnoticed");
+            serde_json::from_slice::<Value>(&changed).unwrap();
+        }
+    }
+    println!("{refused} of 40 changes of the header were refused");
+}
+
+#[test]
+fn empty_and_missing_files_give_one_message_each() {
+    let (folder, sound) = sound();
+    for (file, says) in [("session.json", "expected a session header"), ("events.jsonl", "it is empty")] {
+        let ran = analyze(folder.path(), &with_file(&sound, folder.path(), file, b""));
+        assert_eq!(ran.code, 2, "{ran:#?}");
+        assert!(ran.err.contains(file) && ran.err.contains(says), "{ran:#?}");
+
+        let damaged = with_file(&sound, folder.path(), file, b"");
+        std::fs::remove_file(damaged.join(file)).unwrap();
+        let ran = analyze(folder.path(), &damaged);
+        assert_eq!(ran.code, 2, "{ran:#?}");
+        assert!(ran.err.contains(file), "{ran:#?}");
+    }
+    let empty = folder.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    let ran = analyze(folder.path(), &empty);
+    assert!(ran.code == 2 && ran.err.contains("session.json"), "{ran:#?}");
+    for command in [
+        ["analyze", "study.json"].as_slice(),
+        &["replay", "study.json", "--verify"],
+        &["export", "study.json", "--format", "csv", "--out", "tables"],
+    ] {
+        let ran = run(folder.path(), command).expect(2);
+        assert!(ran.err.contains("study.json: expected a session's folder"), "{ran:#?}");
+    }
+    // A fit needs neither gaze nor frames.
+    for file in ["gaze.csv", "frames.csv"] {
+        let damaged = with_file(&sound, folder.path(), file, b"");
+        assert_eq!(analyze(folder.path(), &damaged).code, 0);
+        std::fs::remove_file(damaged.join(file)).unwrap();
+        assert_eq!(analyze(folder.path(), &damaged).code, 0);
+        for arguments in [
+            ["analyze", "damaged", "--report", "report.html"].as_slice(),
+            &["export", "damaged", "--format", "csv", "--out", "tables"],
+        ] {
+            let before = contents(folder.path());
+            let ran = run(folder.path(), arguments).expect(2);
+            assert!(ran.err.contains(file), "{ran:#?}");
+            assert!(contents(folder.path()) == before, "{arguments:?} left something behind");
+        }
+    }
+}
+
+#[test]
+fn damaged_tables_never_make_a_command_panic() {
+    let (folder, sound) = sound();
+    let mut random = random();
+    for attempt in 0..12 {
+        let file = ["gaze.csv", "frames.csv"][attempt % 2];
+        let mut bytes = std::fs::read(sound.join(file)).unwrap();
+        if attempt % 3 == 0 {
+            bytes.truncate(random.random_range(0..bytes.len()));
+        } else {
+            let at = random.random_range(0..bytes.len());
+            bytes[at] ^= 1 << random.random_range(0..8);
+        }
+        let damaged = with_file(&sound, folder.path(), file, &bytes);
+        let before = contents(&damaged);
+        for arguments in [
+            ["analyze", "damaged", "--report", "report.html"].as_slice(),
+            &["export", "damaged", "--format", "csv", "--out", &format!("tables-{attempt}")],
+            &["replay", "damaged", "--verify"],
+        ] {
+            let ran = run(folder.path(), arguments);
+            assert!((0..=2).contains(&ran.code) && !ran.err.contains("panicked"), "{arguments:?}: {ran:#?}");
+            assert!(ran.code == 0 || !ran.err.trim().is_empty());
+        }
+        assert!(contents(&damaged) == before);
+    }
+}
+
+#[test]
+fn a_corrupt_session_does_not_go_on_and_stays_as_it_is() {
+    let (folder, sound) = sound();
+    let path = sound.join("events.jsonl");
+    let mut events = std::fs::read(&path).unwrap();
+    let middle = events.len() / 2;
+    events[middle] ^= 1;
+    std::fs::write(&path, &events).unwrap();
+    let before = contents(folder.path());
+    let arguments = ["run", "study.json", "--observer", "P01", "--offscreen", "--simulate", TRUTH, "--no-render"];
+    let ran = run(folder.path(), &[&arguments[..], &["--resume"]].concat()).expect(2);
+    assert!(ran.err.contains("A corrupt session can be analysed up to there, but not go on."), "{ran:#?}");
+    assert!(ran.err.contains(&format!("line {}", lines(&events[..middle]) + 1)), "{ran:#?}");
+    assert!(contents(folder.path()) == before);
+}

@@ -1,0 +1,272 @@
+//! One session from its run to its tables: what is written, that the same seed writes the same, and that a replay shows
+//! what the run showed.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should say so and stop")]
+
+mod common;
+
+use common::{contents, csv_table, run, session, small_study, write_json};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tempfile::{TempDir, tempdir};
+
+const GAZE: &str = "t_s,arrived_s,t_device_s,x_px,y_px,x_deg,y_deg,valid,pupil_mm,left_x_px,left_y_px,left_valid,\
+    left_pupil_mm,right_x_px,right_y_px,right_valid,right_pupil_mm";
+const FRAMES: &str = "index,phase_seq,trial,phase,scheduled_s,presented_s,missed,animation_s,gaze_row,gaze_age_s,\
+    pixels_shaded,gpu_time_s,hash";
+
+fn read(path: &Path) -> Vec<u8> {
+    std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn lines(path: &Path) -> usize {
+    read(path).iter().filter(|&&byte| byte == b'\n').count()
+}
+
+fn events(folder: &Path) -> Vec<Value> {
+    let text = String::from_utf8(read(&folder.join("events.jsonl"))).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// A folder with a small study of eighteen levels in it.
+fn with_study(repetitions: u32) -> TempDir {
+    let folder = tempdir().unwrap();
+    write_json(folder.path(), "study.json", &small_study("small", repetitions));
+    folder
+}
+
+#[test]
+fn a_run_writes_the_four_files_of_a_session() {
+    let folder = with_study(1);
+    let session = session(folder.path(), "study.json", "data", 7, &["--no-render"]);
+    let name = session.file_name().unwrap().to_str().unwrap();
+    assert!(name.starts_with("small_P01_2"), "{name}");
+    let files: Vec<_> = contents(&session).into_keys().collect();
+    assert_eq!(files, ["events.jsonl", "frames.csv", "gaze.csv", "session.json"].map(std::path::PathBuf::from));
+
+    let header: Value = serde_json::from_slice(&read(&session.join("session.json"))).unwrap();
+    let study = read(&folder.path().join("study.json"));
+    assert_eq!(header["format"], 1);
+    assert_eq!(header["observer"], "P01");
+    assert_eq!(header["seed"], 7);
+    assert_eq!(header["study"]["text"].as_str().unwrap().as_bytes(), study);
+    assert_eq!(header["study"]["sha256"], parafovea::session::header::sha256_hex(&study).as_str());
+    assert_eq!(header["display"]["resolution_px"], json!([160, 90]));
+    assert_eq!(header["simulated"]["truth"]["m"], 0.15);
+    assert_eq!(header["stage"]["kind"], "offscreen");
+    assert_eq!(header["stage"]["rendered"], false);
+    assert_eq!(header["stage"]["gpu"], Value::Null);
+    assert_eq!(header["gaze_source"]["id"], "simulated");
+    assert_eq!(header["program"]["version"], env!("CARGO_PKG_VERSION"));
+    assert!(header["generator"].as_str().unwrap().contains("ChaCha"), "{}", header["generator"]);
+
+    let events = events(&session);
+    for (number, event) in events.iter().enumerate() {
+        assert_eq!(event["seq"], number);
+        assert!(event["t_s"].is_f64() && event["event"].is_string());
+        assert_eq!(event["crc"].as_str().unwrap().len(), 8);
+    }
+    assert_eq!(events.iter().filter(|event| event["event"] == "finished").count(), 1);
+    assert_eq!(events.iter().filter(|event| event["event"] == "trial-ended").count(), 18);
+
+    let (columns, gaze) = csv_table(&session.join("gaze.csv"));
+    assert_eq!(columns.join(","), GAZE);
+    let (columns, frames) = csv_table(&session.join("frames.csv"));
+    assert_eq!(columns.join(","), FRAMES);
+    assert!(gaze.len() > 100 && frames.len() > 100);
+    for (number, frame) in frames.iter().enumerate() {
+        assert_eq!(frame[0], number.to_string());
+        assert!(frame[8].is_empty() || frame[8].parse::<usize>().unwrap() < gaze.len(), "{frame:?}");
+        assert_eq!((frame[10].as_str(), frame[12].as_str()), ("", ""), "nothing was drawn");
+    }
+}
+
+#[test]
+fn the_same_seed_writes_the_same_bytes_and_another_seed_does_not() {
+    let folder = with_study(1);
+    let again = [("a", 11), ("b", 11), ("c", 12)]
+        .map(|(data, seed)| session(folder.path(), "study.json", data, seed, &["--no-render"]));
+    for file in ["events.jsonl", "gaze.csv", "frames.csv"] {
+        let bytes = again.each_ref().map(|session| read(&session.join(file)));
+        assert!(bytes[0] == bytes[1], "{file} differs between two runs of one seed");
+        assert!(bytes[0] != bytes[2], "{file} is the same for two seeds");
+    }
+}
+
+#[test]
+fn a_recorded_gaze_is_played_back_sample_by_sample() {
+    let folder = with_study(1);
+    let first = session(folder.path(), "study.json", "a", 5, &["--no-render"]);
+    std::fs::copy(first.join("gaze.csv"), folder.path().join("eyes.csv")).unwrap();
+    let more = ["--no-render", "--gaze", "recorded:eyes.csv"];
+    let second = session(folder.path(), "study.json", "b", 5, &more);
+    let header: Value = serde_json::from_slice(&read(&second.join("session.json"))).unwrap();
+    assert_eq!(header["gaze_source"]["id"], "recorded");
+    let (recorded, played) = (csv_table(&first.join("gaze.csv")).1, csv_table(&second.join("gaze.csv")).1);
+    assert!(played.len() > 100);
+    for (recorded, played) in recorded.iter().zip(&played).take(played.len() - 5) {
+        assert_eq!(recorded[3..8], played[3..8]);
+    }
+}
+
+#[test]
+fn an_analysis_has_the_documented_keys_and_recovers_what_the_observer_was() {
+    let folder = with_study(12);
+    let sessions = [1, 2].map(|seed| session(folder.path(), "study.json", &format!("{seed}"), seed, &["--no-render"]));
+    let paths = sessions.each_ref().map(|session| session.to_str().unwrap());
+    let before = contents(folder.path());
+    let analysis = run(folder.path(), &["analyze", paths[0], paths[1], "--json"]).expect(0).json();
+    assert!(contents(folder.path()) == before, "analyze writes nothing");
+
+    let observer = &analysis["observers"][0];
+    assert_eq!(analysis["observers"].as_array().unwrap().len(), 1);
+    assert_eq!(observer["observer"], "P01");
+    assert_eq!(observer["trials"], 2 * 12 * 18);
+    for (quantity, truth) in [("m", 0.15), ("omega0", 0.35), ("width", 0.8), ("lapse", 0.02)] {
+        let estimate = observer["mar"][quantity]["estimate"].as_f64().unwrap();
+        let [low, high] = [0, 1].map(|end| observer["mar"][quantity]["ci95"][end].as_f64().unwrap());
+        assert!(low < estimate && estimate < high, "{quantity}: {low} {estimate} {high}");
+        assert!((low..=high).contains(&truth), "{quantity}: {low} – {high} misses {truth}");
+    }
+    assert_eq!(observer["mar"]["display_limited"], false);
+    let thresholds = observer["thresholds"].as_array().unwrap();
+    let eccentricities: Vec<f64> = thresholds.iter().map(|one| one["eccentricity_deg"].as_f64().unwrap()).collect();
+    assert_eq!(eccentricities, [1.5, 3.0, 4.5]);
+    for threshold in thresholds {
+        let omega = threshold["mar_deg"].as_f64().unwrap();
+        assert!((threshold["ci95"][0].as_f64().unwrap()..threshold["ci95"][1].as_f64().unwrap()).contains(&omega));
+        assert_eq!(threshold["limited"], false);
+        assert_eq!(threshold["trials"], 2 * 12 * 6);
+    }
+    assert_eq!(observer["support"]["supported"], true, "{observer}");
+
+    let table = run(folder.path(), &["analyze", paths[0]]).expect(0).out;
+    assert!(table.contains("omega0") && table.contains("95 % interval"), "{table}");
+}
+
+#[test]
+fn a_report_is_one_page_that_loads_nothing() {
+    let folder = with_study(6);
+    let session = session(folder.path(), "study.json", "data", 3, &["--no-render"]);
+    run(folder.path(), &["analyze", session.to_str().unwrap(), "--report", "report.html"]).expect(0);
+    let page = String::from_utf8(read(&folder.path().join("report.html"))).unwrap();
+    let lower = page.to_lowercase();
+    assert!(lower.trim_start().starts_with("<!doctype html>") && lower.trim_end().ends_with("</html>"));
+    assert!(page.matches("<svg").count() >= 4, "{} figures", page.matches("<svg").count());
+    assert!(page.contains("P01") && page.contains("A study for tests"));
+    for attribute in ["src=", "href=", "url(", "@import", "<script src", "<link"] {
+        for (at, _) in lower.match_indices(attribute) {
+            let target = lower[at + attribute.len()..].trim_start_matches(['"', '\'']);
+            assert!(target.starts_with(['#']) || target.starts_with("data:"), "{}", &target[..target.len().min(60)]);
+        }
+    }
+}
+
+#[test]
+fn an_export_holds_every_row_and_describes_every_column() {
+    let folder = with_study(3);
+    let sessions = [4, 5].map(|seed| session(folder.path(), "study.json", &format!("{seed}"), seed, &["--no-render"]));
+    let paths = sessions.each_ref().map(|session| session.to_str().unwrap());
+    let arguments = ["export", paths[0], paths[1], "--format", "csv", "--out", "tables"];
+    let ran = run(folder.path(), &arguments).expect(0);
+
+    let tables = folder.path().join("tables");
+    let dictionary: BTreeMap<String, Vec<Value>> = serde_json::from_slice(&read(&tables.join("columns.json"))).unwrap();
+    let rows = |file: &str| sessions.iter().map(|session| lines(&session.join(file)) - 1).sum::<usize>();
+    let expected = [
+        ("trials.csv", 2 * 3 * 18),
+        ("gaze.csv", rows("gaze.csv")),
+        ("frames.csv", rows("frames.csv")),
+        ("thresholds.csv", 3),
+        ("fits.csv", 4),
+    ];
+    assert_eq!(dictionary.len(), expected.len());
+    for (file, count) in expected {
+        let (columns, table) = csv_table(&tables.join(file));
+        let described: Vec<&str> = dictionary[file].iter().map(|column| column["name"].as_str().unwrap()).collect();
+        assert_eq!(columns, described, "{file}");
+        assert!(dictionary[file].iter().all(|column| !column["meaning"].as_str().unwrap().is_empty()), "{file}");
+        assert_eq!(table.len(), count, "{file}");
+        assert!(ran.out.contains(&format!("{file} ({count} rows)")), "{}", ran.out);
+    }
+    let (columns, trials) = csv_table(&tables.join("trials.csv"));
+    let column = |name: &str| columns.iter().position(|column| column == name).unwrap();
+    for trial in &trials {
+        let named_test = (trial[column("answer")] == "first") == (trial[column("test_interval")] == "1");
+        assert_eq!(trial[column("correct")], u8::from(named_test).to_string(), "{trial:?}");
+        assert_eq!(trial[column("practice")], "0");
+    }
+
+    // The second export finds the folder occupied and leaves it as it is.
+    let before = contents(folder.path());
+    let refused = run(folder.path(), &arguments).expect(2);
+    assert!(refused.err.contains("new or empty folder"), "{}", refused.err);
+    assert!(contents(folder.path()) == before);
+}
+
+/// A session with pictures: two trials at a coarse limit.
+fn rendered(folder: &Path) -> std::path::PathBuf {
+    let mut study = small_study("small", 1);
+    study["blocks"][0]["procedure"]["levels"] = json!({ "eccentricity_deg": [2.5, 4], "mar_deg": [1.6] });
+    write_json(folder, "rendered.json", &study);
+    session(folder, "rendered.json", "data", 9, &[])
+}
+
+#[test]
+fn a_replay_draws_what_the_run_showed_and_notices_a_changed_log() {
+    let folder = tempdir().unwrap();
+    let session = rendered(folder.path());
+    let path = session.to_str().unwrap();
+    let (_, frames) = csv_table(&session.join("frames.csv"));
+    assert!(frames.iter().all(|frame| frame[12].len() == 16), "every frame has its hash");
+
+    let verified = run(folder.path(), &["replay", path, "--verify", "--json"]).expect(0).json();
+    assert_eq!(verified["hashes_compared"], frames.len());
+    assert_eq!(verified["hashes_different"], 0);
+    assert_eq!(verified["first_different"], Value::Null);
+
+    let arguments = ["replay", path, "--frames", "pictures", "--trial", "2", "--stimuli", "--limit", "3"];
+    run(folder.path(), &arguments).expect(0);
+    let pictures = contents(&folder.path().join("pictures"));
+    assert_eq!(pictures.len(), 3, "{:?}", pictures.keys());
+    for file in pictures.keys() {
+        let picture = image::open(folder.path().join("pictures").join(file)).unwrap().to_rgba8();
+        assert_eq!(picture.dimensions(), (160, 90));
+        let index: usize = file.to_str().unwrap()["frame-".len()..][..6].parse().unwrap();
+        assert_eq!(frames[index][2], "2");
+        let hash = format!("{:016x}", xxhash_rust::xxh3::xxh3_64(picture.as_raw()));
+        assert_eq!(frames[index][12], hash, "{}", file.display());
+    }
+
+    // One sample that placed the ring, moved by two degrees.
+    let began = events(&session).into_iter().find(|event| event["event"] == "trial-began").unwrap();
+    let test_interval = if began["order"][0] == "test" { "interval1" } else { "interval2" };
+    let used = frames.iter().find(|frame| frame[2] == "1" && frame[3] == test_interval).unwrap();
+    let line = used[8].parse::<usize>().unwrap() + 1;
+    let gaze = String::from_utf8(read(&session.join("gaze.csv"))).unwrap();
+    let changed: Vec<String> = gaze
+        .lines()
+        .enumerate()
+        .map(|(number, text)| {
+            let mut cells: Vec<String> = text.split(',').map(ToOwned::to_owned).collect();
+            if number == line {
+                cells[5] = (cells[5].parse::<f64>().unwrap() + 2.0).to_string();
+            }
+            cells.join(",") + "\n"
+        })
+        .collect();
+    std::fs::write(session.join("gaze.csv"), changed.concat()).unwrap();
+    let failed = run(folder.path(), &["replay", path, "--verify", "--json"]).expect(1);
+    assert!(failed.json()["hashes_different"].as_u64().unwrap() >= 1);
+    assert_eq!(failed.json()["first_different"].to_string(), used[0]);
+    assert!(failed.err.contains(&format!("first frame {}", used[0])), "{}", failed.err);
+}
+
+#[test]
+fn a_run_without_pictures_has_nothing_to_verify_and_says_so() {
+    let folder = with_study(1);
+    let session = session(folder.path(), "study.json", "data", 7, &["--no-render"]);
+    let ran = run(folder.path(), &["replay", session.to_str().unwrap(), "--verify"]).expect(1);
+    assert!(ran.err.contains("--no-render"), "{}", ran.err);
+}
