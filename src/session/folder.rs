@@ -6,9 +6,10 @@
 use super::header::{FORMAT, Header, sha256_hex};
 use super::journal::{self, Damage, Journal};
 use super::names;
-use super::tables::{self, FrameRow, GazeRow, Table};
+use super::tables::{self, FrameRow, GazeRow, Table, TableDamage};
 use crate::error::LabError;
 use experiments::Display;
+use experiments::session::Event;
 use experiments::session::record::Record;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -77,6 +78,14 @@ impl SessionFolder {
             let why = journal.damage.as_ref().map_or_else(|| "it is empty".to_owned(), ToString::to_string);
             return Err(LabError::BadInput(format!("{}: no event can be read: {why}", events_path.display())));
         }
+        if let Some(Event::Opened { header_sha256 }) = journal.events.first().map(|first| &first.event)
+            && header.fingerprint().is_ok_and(|fingerprint| fingerprint != *header_sha256)
+        {
+            return Err(LabError::BadInput(format!(
+                "{}: expected the header that the journal was begun with, found a changed one",
+                header_path.display()
+            )));
+        }
         let record = Record::from_events(&journal.events);
         Ok(Self { path: path.to_owned(), header, display, journal, record })
     }
@@ -140,6 +149,14 @@ impl SessionFolder {
             )));
         }
         let (gaze, frames) = (self.gaze()?, self.frames()?);
+        for (name, damage) in [(names::GAZE, &gaze.damage), (names::FRAMES, &frames.damage)] {
+            if let Some(TableDamage::Corrupt(problem)) = damage {
+                return Err(LabError::BadInput(format!(
+                    "{}: {problem}. A corrupt session can be analysed up to there, but not go on.",
+                    self.path.join(name).display()
+                )));
+            }
+        }
         let frames = self.sound_frames(&frames.rows, gaze.rows.len());
         for name in [names::EVENTS, names::GAZE, names::FRAMES] {
             let path = self.path.join(name);

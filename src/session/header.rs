@@ -38,6 +38,18 @@ pub struct Header {
     pub program: Program,
 }
 
+impl Header {
+    /// SHA-256, in hex, of everything but the wall-clock time: what event 0 of the journal says of its header. The time is
+    /// left out so that the same seed, study and inputs give the same journal.
+    ///
+    /// # Errors
+    /// When the header cannot be serialised.
+    pub fn fingerprint(&self) -> Result<String, serde_json::Error> {
+        let timeless = Self { started: String::new(), ..self.clone() };
+        Ok(sha256_hex(&serde_json::to_vec(&timeless)?))
+    }
+}
+
 /// The study's text.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

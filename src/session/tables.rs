@@ -148,8 +148,19 @@ pub struct GazeRow {
 pub struct Table<T> {
     /// Rows before the first damage.
     pub rows: Vec<T>,
-    /// What was wrong after them, with its line.
-    pub damage: Option<String>,
+    /// What was wrong after them.
+    pub damage: Option<TableDamage>,
+}
+
+/// What is wrong with a table.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TableDamage {
+    /// The last line is incomplete, as after a kill.
+    #[error("the last line ({0} bytes) is torn")]
+    Torn(usize),
+    /// A whole line cannot be read; the text names it.
+    #[error("{0}")]
+    Corrupt(String),
 }
 
 /// Reads a table up to its first damage. A last line without newline is torn, as after a kill, and is left out.
@@ -158,14 +169,14 @@ pub fn read_rows<T: serde::de::DeserializeOwned>(bytes: &[u8]) -> Table<T> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
     let mut table = Table {
         rows: Vec::new(),
-        damage: (whole < bytes.len()).then(|| format!("the last line ({} bytes) is torn", bytes.len() - whole)),
+        damage: (whole < bytes.len()).then(|| TableDamage::Torn(bytes.len() - whole)),
     };
     let mut reader = csv::Reader::from_reader(&bytes[..whole]);
     for (index, row) in reader.deserialize().enumerate() {
         match row {
             Ok(row) => table.rows.push(row),
             Err(error) => {
-                table.damage = Some(format!("line {}: {error}", index + 2));
+                table.damage = Some(TableDamage::Corrupt(format!("line {}: {error}", index + 2)));
                 break;
             }
         }
@@ -223,7 +234,10 @@ mod tests {
         assert_eq!(table, Table { rows: rows.clone(), damage: None });
         let torn = read_rows::<FrameRow>(&text.as_bytes()[..text.len() - 4]);
         assert_eq!(torn.rows, rows[..2]);
-        assert!(torn.damage.expect("torn").contains("torn"));
+        assert!(matches!(torn.damage, Some(TableDamage::Torn(_))));
+        let corrupt = read_rows::<FrameRow>(text.replace(",interval1,", ",intervall,").as_bytes());
+        assert_eq!(corrupt.rows, []);
+        assert!(matches!(corrupt.damage, Some(TableDamage::Corrupt(problem)) if problem.starts_with("line 2")));
     }
 
     #[test]

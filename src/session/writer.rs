@@ -10,7 +10,7 @@ use super::tables::{FRAME_COLUMNS, FrameRow, GAZE_COLUMNS, frame_line, gaze_line
 use crate::error::LabError;
 use crate::gaze::GazeSample;
 use experiments::Display;
-use experiments::session::Stamped;
+use experiments::session::{Event, Stamped};
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -68,7 +68,8 @@ fn gone() -> LabError {
 }
 
 impl SessionWriter {
-    /// Makes a new folder `DATA/STUDY_OBSERVER_TIME` with its header, and starts the writer.
+    /// Makes a new folder `DATA/STUDY_OBSERVER_TIME` with its header, starts the writer and writes event 0, which ties the
+    /// journal to the header.
     ///
     /// # Errors
     /// When the folder cannot be made or the header not written.
@@ -77,12 +78,13 @@ impl SessionWriter {
         let stamp: String = header.started.chars().take(19).filter(|c| *c != ':').collect();
         let base = format!("{}_{}_{stamp}", header.study.name, header.observer);
         let folder = new_folder(data, &base)?;
-        let text = serde_json::to_string_pretty(header).map_err(|error| LabError::Failed(error.to_string()))?;
+        let unwritable = |error: serde_json::Error| LabError::Failed(error.to_string());
+        let text = serde_json::to_string_pretty(header).map_err(unwritable)? + "\n";
+        let header_sha256 = header.fingerprint().map_err(unwritable)?;
         let path = folder.join(names::HEADER);
         let write = || -> std::io::Result<()> {
             let mut file = File::create_new(&path)?;
             file.write_all(text.as_bytes())?;
-            file.write_all(b"\n")?;
             file.sync_all()
         };
         write().map_err(|error| LabError::io("write", &path, &error))?;
@@ -98,7 +100,9 @@ impl SessionWriter {
         }
         sync_folder(&folder);
         sync_folder(data);
-        Self::append(&folder, display)
+        let writer = Self::append(&folder, display)?;
+        writer.event(Stamped { seq: 0, t_s: 0.0, event: Event::Opened { header_sha256 } })?;
+        Ok(writer)
     }
 
     /// Starts a writer that goes on at the end of an existing folder's files.
@@ -210,7 +214,10 @@ impl Files {
     fn serve(&mut self, from_session: &Receiver<Message>) -> Result<(), String> {
         for message in from_session {
             let problem = match message {
-                Message::Event(event) => self.events.write_all(line_from_event(&event).as_bytes()).err(),
+                // Handed to the system at once, so that a killed program leaves a trace of the trial it was in.
+                Message::Event(event) => {
+                    self.events.write_all(line_from_event(&event).as_bytes()).and_then(|()| self.events.flush()).err()
+                }
                 Message::Gaze(sample) => self.gaze.write_all(gaze_line(&sample, &self.display).as_bytes()).err(),
                 Message::Frame(row) => self.frames.write_all(frame_line(&row).as_bytes()).err(),
                 Message::Sync(answer) => {

@@ -11,7 +11,7 @@ use crate::session::tables::FrameRow;
 use crate::session::writer::{Acknowledgement, SessionWriter};
 use experiments::gate::Gate;
 use experiments::session::{Event, Stamped};
-use experiments::trial::{Input, Outcome, Phase, Presentation};
+use experiments::trial::{Input, Outcome, Phase, PhaseName, Presentation};
 use experiments::{Display, Session};
 
 /// How long no sample may come before gaze counts as lost, seconds.
@@ -67,13 +67,15 @@ pub struct Tail {
 }
 
 impl Runner {
-    /// Starts a new session: its first events are logged at time 0.
+    /// Starts a new session: its first events are logged at time 0, after the log's own, and are on disk when this
+    /// returns, so that even a session that is killed at once can be found and gone on with.
     ///
     /// # Errors
     /// When the log cannot be written.
     pub fn begin(session: Session, events: Vec<Event>, writer: SessionWriter) -> Result<Self, LabError> {
-        let mut runner = Self::new(session, writer, Tail::default());
+        let mut runner = Self::new(session, writer, Tail { events: 1, ..Tail::default() });
         runner.log(0.0, events)?;
+        runner.writer.sync()?.wait()?;
         Ok(runner)
     }
 
@@ -230,7 +232,9 @@ impl Runner {
                 return Ok(());
             }
             self.saving = None;
-            self.input(t_s, Input::Saved)?;
+            if self.phase().is_some_and(|phase| phase.name == PhaseName::Save) {
+                self.input(t_s, Input::Saved)?;
+            }
         }
         self.notice_silence(t_s)?;
         let Some((duration_s, hold)) = self.phase().and_then(|phase| Some((phase.duration_s?, phase.hold_for_gaze)))

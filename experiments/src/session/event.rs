@@ -13,6 +13,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 pub enum Event {
+    /// The log was opened. The only event that no input causes; the hash ties the journal to its header.
+    Opened {
+        /// SHA-256 of the header without its wall-clock time, in hex.
+        header_sha256: String,
+    },
     /// The world did something. Inputs that the current phase does not accept are written too, and change nothing.
     Input {
         /// What.

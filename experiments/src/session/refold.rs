@@ -45,7 +45,8 @@ pub fn refold(
     mut visit: impl FnMut(&Session, u64),
 ) -> Result<Refolded, Disagreement> {
     let (mut session, mut caused) = Session::begin(plan, seed);
-    let mut next = 0;
+    // The log's own first event is no business of the machine.
+    let mut next = usize::from(matches!(journal.first(), Some(Stamped { event: Event::Opened { .. }, .. })));
     loop {
         // Hold what the machine gave against the journal, event by event.
         let mut began_phase = None;
