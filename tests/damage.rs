@@ -119,7 +119,7 @@ fn a_changed_bit_in_the_journal_is_found_and_its_line_named() {
 }
 
 #[test]
-fn a_changed_header_is_refused_or_still_means_something() {
+fn a_changed_header_is_refused_unless_it_means_the_same() {
     let (folder, sound) = sound();
     let header = std::fs::read(sound.join("session.json")).unwrap();
     let text_at = header.windows(8).position(|window| window == b"\"text\": ").unwrap() + 9;
@@ -139,9 +139,13 @@ fn a_changed_header_is_refused_or_still_means_something() {
             refused += 1;
             assert!(ran.err.contains("session.json"), "{ran:#?}");
         } else {
-            // The study is kept with its hash; elsewhere a changed digit is another number.
-            assert!(!(text_at..text_end).contains(&at), "byte {at} of the study was changed unnoticed");
-            serde_json::from_slice::<Value>(&changed).unwrap();
+            // Only the wall-clock time and white space may change unnoticed.
+            let meaning = |bytes: &[u8]| {
+                let mut header: Value = serde_json::from_slice(bytes).unwrap();
+                header["started"] = Value::Null;
+                header
+            };
+            assert_eq!(meaning(&changed), meaning(&header), "byte {at} was changed unnoticed");
         }
     }
     println!("{refused} of 40 changes of the header were refused");
