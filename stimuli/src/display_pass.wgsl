@@ -6,10 +6,13 @@ struct Pass {
     picture_size: vec2i,
     overlay_size: vec2i,
     target_size: vec2i,
-    // Bit 0: there is a picture. 1: there is an overlay. 2: the overlay's colours are still sRGB. 3: encode as sRGB.
+    // Bit 0: there is a picture. 1: the overlay's colours are still sRGB.
     flags: u32,
     reserved: u32,
 }
+
+// Whether the target's own format does not encode as sRGB, so that the shader must.
+override ENCODES: bool = true;
 
 @group(0) @binding(0) var<uniform> u: Pass;
 @group(0) @binding(1) var picture: texture_2d<f32>;
@@ -34,20 +37,32 @@ fn inside(px: vec2i, size: vec2i) -> bool {
     return all(px >= vec2i(0)) && all(px < size);
 }
 
-@fragment
-fn show(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let px = vec2i(position.xy);
-    var colour = u.colour.rgb;
+fn background_at(px: vec2i) -> vec3f {
     let in_picture = centred(px, u.picture_size);
+    var colour = u.colour.rgb;
     if (u.flags & 1u) != 0u && inside(in_picture, u.picture_size) {
         colour = textureLoad(picture, in_picture, 0).rgb;
     }
-    colour = clamp(colour, vec3f(0.0), vec3f(1.0));
-    let in_overlay = centred(px, u.overlay_size);
-    if (u.flags & 2u) != 0u && inside(in_overlay, u.overlay_size) {
-        let over = textureLoad(overlay, in_overlay, 0);
-        let over_linear = select(over.rgb, linear_from_srgb(over.rgb), (u.flags & 4u) != 0u);
-        colour = mix(colour, over_linear, over.a);
+    return clamp(colour, vec3f(0.0), vec3f(1.0));
+}
+
+fn encoded(colour: vec3f) -> vec4f {
+    if ENCODES {
+        return vec4f(srgb_from_linear(colour), 1.0);
     }
-    return vec4f(select(colour, srgb_from_linear(colour), (u.flags & 8u) != 0u), 1.0);
+    return vec4f(colour, 1.0);
+}
+
+// Where there is no overlay. Apart, because software devices run every branch for every pixel.
+@fragment
+fn show(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    return encoded(background_at(vec2i(position.xy)));
+}
+
+@fragment
+fn show_overlay(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let px = vec2i(position.xy);
+    let over = textureLoad(overlay, centred(px, u.overlay_size), 0);
+    let over_linear = select(over.rgb, linear_from_srgb(over.rgb), (u.flags & 2u) != 0u);
+    return encoded(mix(background_at(px), over_linear, over.a));
 }

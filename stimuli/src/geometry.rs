@@ -64,6 +64,9 @@ impl PixelBox {
     }
 }
 
+/// Rows of the bands of [`Cone::boxes_around`]: few enough to follow a curve, enough for a draw to pay.
+const BAND_ROWS: u32 = 8;
+
 /// All directions within an angle of the gaze, as they meet a display.
 #[derive(Debug, Clone, Copy)]
 pub struct Cone {
@@ -134,6 +137,36 @@ impl Cone {
             .sum()
     }
 
+    /// Boxes of display pixels that hold every pixel inside this cone but not inside `hole`, and as little else as bands of
+    /// a few rows allow. They do not overlap, and reach a pixel further than the cones, for those who compute with less
+    /// precision.
+    #[must_use]
+    pub fn boxes_around(&self, hole: Option<&Self>) -> Vec<PixelBox> {
+        let [width, height] = self.resolution_px;
+        let mut boxes = Vec::new();
+        for top in (0..height).step_by(BAND_ROWS as usize) {
+            let bottom = (top + BAND_ROWS).min(height);
+            let rows = top.saturating_sub(1)..(bottom + 1).min(height);
+
+            // What any row needs, and what no row needs.
+            let needed = rows.clone().map(|row| self.row_span(row)).filter(|span| !span.is_empty());
+            let Some(needed) = needed.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { continue };
+            let (left, right) = (needed.start.saturating_sub(1), (needed.end + 1).min(width));
+            let spare = hole.and_then(|hole| {
+                rows.map(|row| hole.row_span(row)).reduce(|a, b| a.start.max(b.start)..a.end.min(b.end))
+            });
+            match spare.map(|spare| spare.start + 1..spare.end.saturating_sub(1)).filter(|spare| !spare.is_empty()) {
+                Some(spare) => {
+                    boxes.push(PixelBox { left, top, right: spare.start, bottom });
+                    boxes.push(PixelBox { left: spare.end, top, right, bottom });
+                }
+                None => boxes.push(PixelBox { left, top, right, bottom }),
+            }
+        }
+        boxes.retain(|area| area.left < area.right);
+        boxes
+    }
+
     /// The smallest box of display pixels that holds every centre inside; `None` when there is none.
     #[must_use]
     pub fn bounds(&self) -> Option<PixelBox> {
@@ -179,6 +212,41 @@ mod tests {
                     }
                 }
                 assert_eq!((cone.pixels(), cone.bounds()), expected, "{gaze_deg:?} {radius_deg}");
+            }
+        }
+    }
+
+    /// Every pixel between two cones is in exactly one box, the boxes stay on the display and hold little else.
+    #[test]
+    fn boxes_cover_a_ring_once() {
+        let display = Display::new("test", [397, 261], [500.0, 330.0], 420.0).expect("in range");
+        for gaze_deg in [[0.0, 0.0], [20.0, -11.0], [-37.0, 24.0], [55.0, 5.0], [-80.0, 70.0]] {
+            for (outer_deg, hole_deg) in [(3.0, 0.0), (17.0, 12.0), (30.0, 28.0), (75.0, 40.0), (90.0, 1.0)] {
+                let outer = Cone::new(&display, gaze_deg, outer_deg);
+                let hole = (hole_deg > 0.0).then(|| Cone::new(&display, gaze_deg, hole_deg));
+                let mut covered = vec![0_u32; display.pixels() as usize];
+                for area in outer.boxes_around(hole.as_ref()) {
+                    for row in area.top..area.bottom {
+                        for column in area.left..area.right {
+                            covered[(row * 397 + column) as usize] += 1;
+                        }
+                    }
+                }
+                let mut inside = 0;
+                for row in 0..261 {
+                    let (span, spare) = (outer.row_span(row), hole.as_ref().map_or(0..0, |hole| hole.row_span(row)));
+                    for column in span.filter(|column| !spare.contains(column)) {
+                        assert_eq!(
+                            covered[(row * 397 + column) as usize],
+                            1,
+                            "{gaze_deg:?} {outer_deg}: {column} {row}"
+                        );
+                        inside += 1;
+                    }
+                }
+                assert!(covered.iter().all(|&times| times <= 1));
+                let launched: u32 = covered.iter().sum();
+                println!("{gaze_deg:?} {hole_deg}°–{outer_deg}°: {launched} launched for {inside}");
             }
         }
     }

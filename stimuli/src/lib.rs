@@ -18,6 +18,7 @@ mod parameters;
 mod pass;
 mod renderers;
 mod scenes;
+mod tiles;
 mod timing;
 
 pub use contract::{DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, RenderError, Renderer, Scene, SceneIdentity, View};

@@ -1,7 +1,7 @@
 //! Small helpers for passes that cover a target with one triangle: pipelines, uniforms, bind groups, textures.
 
 use crate::contract::LINEAR_FORMAT;
-use crate::geometry::GEOMETRY_WGSL;
+use crate::geometry::{GEOMETRY_WGSL, PixelBox};
 use crate::gpu::Gpu;
 use wgpu::util::DeviceExt;
 
@@ -12,6 +12,18 @@ pub(crate) fn pipeline(
     wgsl: &str,
     entry: &str,
     format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    pipeline_with(gpu, label, wgsl, entry, format, &[])
+}
+
+/// As [`pipeline`], with values for the shader's `override` constants.
+pub(crate) fn pipeline_with(
+    gpu: &Gpu,
+    label: &str,
+    wgsl: &str,
+    entry: &str,
+    format: wgpu::TextureFormat,
+    constants: &[(&str, f64)],
 ) -> wgpu::RenderPipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(label),
@@ -32,7 +44,7 @@ pub(crate) fn pipeline(
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some(entry),
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             targets: &[Some(format.into())],
         }),
         multiview_mask: None,
@@ -71,13 +83,13 @@ pub(crate) fn bind(
 
 /// Which pixels of a target a draw touches.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Extent {
+pub(crate) enum Extent<'a> {
     /// The whole target.
     All,
     /// The top left corner, `[width, height]`.
     Corner([u32; 2]),
-    /// `[left, top, width, height]`; the rest keeps what it holds.
-    Rectangle([u32; 4]),
+    /// These boxes; the rest keeps what it holds.
+    Boxes(&'a [PixelBox]),
 }
 
 /// Records one draw of `pipeline` over `extent` of `target`.
@@ -86,9 +98,9 @@ pub(crate) fn draw(
     pipeline: &wgpu::RenderPipeline,
     bind_group: &wgpu::BindGroup,
     target: &wgpu::TextureView,
-    extent: Extent,
+    extent: Extent<'_>,
 ) {
-    let keep = matches!(extent, Extent::Rectangle(_));
+    let keep = matches!(extent, Extent::Boxes(_));
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: None,
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -105,11 +117,19 @@ pub(crate) fn draw(
     pass.set_pipeline(pipeline);
     pass.set_bind_group(0, bind_group, &[]);
     match extent {
-        Extent::All => {}
-        Extent::Corner([width, height]) => pass.set_scissor_rect(0, 0, width, height),
-        Extent::Rectangle([left, top, width, height]) => pass.set_scissor_rect(left, top, width, height),
+        Extent::All => pass.draw(0..3, 0..1),
+        Extent::Corner([width, height]) => {
+            pass.set_scissor_rect(0, 0, width, height);
+            pass.draw(0..3, 0..1);
+        }
+        Extent::Boxes(boxes) => {
+            for area in boxes {
+                let [width, height] = area.size();
+                pass.set_scissor_rect(area.left, area.top, width, height);
+                pass.draw(0..3, 0..1);
+            }
+        }
     }
-    pass.draw(0..3, 0..1);
 }
 
 /// A texture that passes can draw, read and copy.
@@ -179,6 +199,24 @@ pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &wgpu::Texture, to:
     encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
 }
 
+/// Copies the same boxes of `from` over `to`, which has its size and format.
+pub(crate) fn copy_boxes(
+    encoder: &mut wgpu::CommandEncoder,
+    from: &wgpu::Texture,
+    to: &wgpu::Texture,
+    boxes: &[PixelBox],
+) {
+    for area in boxes {
+        let origin = wgpu::Origin3d { x: area.left, y: area.top, z: 0 };
+        let [width, height] = area.size();
+        encoder.copy_texture_to_texture(
+            wgpu::TexelCopyTextureInfo { origin, ..from.as_image_copy() },
+            wgpu::TexelCopyTextureInfo { origin, ..to.as_image_copy() },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::GEOMETRY_WGSL;
@@ -193,6 +231,7 @@ mod tests {
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
             ("layers", crate::renderers::layers::WGSL),
+            ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
         ];
         for (name, wgsl) in shaders {

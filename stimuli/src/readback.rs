@@ -107,8 +107,11 @@ fn raw_bytes(gpu: &Gpu, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result
     let fault = |reason: String| ReadbackError::Gpu(GpuError::Fault(reason));
     receiver.recv().map_err(|error| fault(error.to_string()))?.map_err(|error| fault(error.to_string()))?;
     let mapped = buffer.get_mapped_range(..).map_err(|error| fault(error.to_string()))?;
-    let rows = mapped.chunks_exact(padded_row_bytes as usize);
-    Ok(rows.flat_map(|row| &row[..row_bytes as usize]).copied().collect())
+    let mut bytes = Vec::with_capacity(row_bytes as usize * texture.height() as usize);
+    for row in mapped.chunks_exact(padded_row_bytes as usize) {
+        bytes.extend_from_slice(&row[..row_bytes as usize]);
+    }
+    Ok(bytes)
 }
 
 /// A linear picture on the GPU from RGBA values, row by row from the top; for tests and for pictures made elsewhere.

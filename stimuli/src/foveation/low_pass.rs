@@ -1,6 +1,6 @@
 //! The filter of the calibration ring: a Gaussian low-pass that halves the amplitude at 1/omega cycles per degree, round
 //! in visual angle and therefore an ellipse of changing shape on a flat display. Its shape and its mask are defined here,
-//! the shader (`renderers/ring.wgsl`) and the CPU oracle of the tests follow.
+//! the shaders (`renderers/low_passed.wgsl`, `renderers/ring.wgsl`) and the CPU oracle of the tests follow.
 
 use experiments::display::Display;
 use std::sync::LazyLock;

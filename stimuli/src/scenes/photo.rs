@@ -56,6 +56,8 @@ struct Uniform {
 struct Photo {
     identity: SceneIdentity,
     pipeline: wgpu::RenderPipeline,
+    /// For targets of the display's own pixels.
+    sampled: wgpu::RenderPipeline,
     photograph: wgpu::TextureView,
     tile_px: [f32; 2],
     scale: f32,
@@ -73,9 +75,12 @@ pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Res
         .collect();
     let size = [decoded.width(), decoded.height()];
     let scale = number(parameters, "scale")?;
+    let unscaled = [("UNSCALED", f64::from(u8::from(scale == 1.0)))];
+    let pipeline = |entry| pass::pipeline_with(gpu, entry, WGSL, entry, crate::LINEAR_FORMAT, &unscaled);
     Ok(Box::new(Photo {
         identity: SceneIdentity::new(),
-        pipeline: pass::pipeline(gpu, "photo", WGSL, "photo", crate::LINEAR_FORMAT),
+        pipeline: pipeline("photo"),
+        sampled: pipeline("photo_sampled"),
         photograph: pass::view(&pass::half_texture(gpu, name, size, &linear)),
         tile_px: std::array::from_fn(|axis| first_tile_px(display.resolution_px()[axis], size[axis], scale) as f32),
         scale: scale as f32,
@@ -97,8 +102,11 @@ impl Scene for Photo {
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError> {
         let uniform = Uniform { view: ViewUniform::new(view), tile_px: self.tile_px, scale: self.scale, reserved: 0.0 };
-        let bind_group = pass::bind(gpu, &self.pipeline, &pass::uniform(gpu, &uniform), &[&self.photograph]);
-        pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::Corner(view.target_px));
+        // With larger photograph pixels, too, one sample is enough; with smaller ones each pixel holds several.
+        let at_pixels = view.step_px() == [1.0; 2] && self.scale >= 1.0;
+        let pipeline = if at_pixels { &self.sampled } else { &self.pipeline };
+        let bind_group = pass::bind(gpu, pipeline, &pass::uniform(gpu, &uniform), &[&self.photograph]);
+        pass::draw(encoder, pipeline, &bind_group, target, Extent::Corner(view.target_px));
         Ok(DrawCost { pixels_shaded: view.pixels(), rays_traced: 0 })
     }
 

@@ -166,3 +166,22 @@ fn cost_counts_the_scene_once_and_the_filtered_pixels() {
         assert_eq!(again.pixels_shaded, 0, "nothing changed");
     }
 }
+
+/// What the ring keeps from earlier frames must not show: a wandering gaze and changing limits give the bytes of a
+/// renderer that has seen nothing before.
+#[test]
+fn a_ring_that_wandered_equals_a_fresh_one() {
+    let display = display([333, 217], [597.0, 335.8], 700.0);
+    let photo = named("image", "coffee");
+    let settings = |e, mar_deg| RingSettings { eccentricity_deg: e, width_deg: 3.0, edge_deg: 0.5, mar_deg };
+    let mut wandering = Setup::new(&display, ("photo", &photo), ("ring", &ring_parameters(&settings(9.0, 2.0))));
+    for (step, mar_deg) in [0.3, 0.3, 0.3, 3.0, 3.0, 3.0, 0.8, 0.8, 3.0, 12.0, 12.0, 0.3].into_iter().enumerate() {
+        let t = step as f64;
+        let parameters = ring_parameters(&settings(4.0 + t, mar_deg));
+        let gaze = looking_at([14.0 * (0.9 * t).sin(), 6.0 * (1.7 * t).cos()]);
+        wandering.renderer.set_parameters(&parameters).unwrap();
+        let (shown, _) = wandering.frame(&gaze);
+        let (fresh, _) = Setup::new(&display, ("photo", &photo), ("ring", &parameters)).frame(&gaze);
+        assert!(shown == fresh, "step {step}, omega {mar_deg}");
+    }
+}

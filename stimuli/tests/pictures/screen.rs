@@ -62,6 +62,30 @@ fn overlays_are_mixed_in_linear_light_and_centred() {
     }
 }
 
+/// Clear margins are not kept, which must not show: marks on even and odd overlays, on targets of either parity.
+#[test]
+fn an_overlay_stays_in_its_place_whatever_is_clear_around_it() {
+    let pass = DisplayPass::new(gpu(), wgpu::TextureFormat::Rgba8Unorm);
+    for (size, target) in [([9, 7], [9, 7]), ([8, 6], [8, 6]), ([8, 7], [11, 4]), ([5, 5], [12, 12])] {
+        for mark in [[4, 3], [0, 0], [size[0] - 2, 1], [2, size[1] - 1]] {
+            let mut picture = RgbaImage::new(size[0], size[1]);
+            picture.put_pixel(mark[0], mark[1], Rgba([255, 255, 255, 255]));
+            let overlay = overlay_texture(gpu(), &picture);
+            let shown = displayed(gpu(), &pass, target, Background::Uniform([0.2; 3]), Some(&overlay)).unwrap();
+            let place =
+                |axis: usize| i64::from(mark[axis]) + (i64::from(target[axis]) - i64::from(size[axis])).div_euclid(2);
+            for (x, y, pixel) in shown.enumerate_pixels() {
+                let marked = [i64::from(x), i64::from(y)] == [place(0), place(1)];
+                assert_eq!(pixel[0], if marked { 255 } else { 124 }, "{size:?} {target:?} {mark:?} at ({x}, {y})");
+            }
+        }
+    }
+    // Nothing but clear pixels is a picture, too.
+    let clear = overlay_texture(gpu(), &RgbaImage::new(4, 4));
+    let shown = displayed(gpu(), &pass, [4, 4], Background::Uniform([0.2; 3]), Some(&clear)).unwrap();
+    assert!(shown.pixels().all(|pixel| pixel[0] == 124));
+}
+
 #[test]
 fn a_picture_of_another_size_is_centred_on_black() {
     let picture = linear_texture_from(gpu(), [2, 2], &[1.0; 16]);
