@@ -167,10 +167,8 @@ pub enum TableDamage {
 #[must_use]
 pub fn read_rows<T: serde::de::DeserializeOwned>(bytes: &[u8]) -> Table<T> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1);
-    let mut table = Table {
-        rows: Vec::new(),
-        damage: (whole < bytes.len()).then(|| TableDamage::Torn(bytes.len() - whole)),
-    };
+    let mut table =
+        Table { rows: Vec::new(), damage: (whole < bytes.len()).then(|| TableDamage::Torn(bytes.len() - whole)) };
     let mut reader = csv::Reader::from_reader(&bytes[..whole]);
     for (index, row) in reader.deserialize().enumerate() {
         match row {
