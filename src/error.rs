@@ -45,8 +45,8 @@ impl From<stimuli::gpu::GpuError> for LabError {
     }
 }
 
-impl From<stimuli::registry::RegistryError> for LabError {
-    fn from(error: stimuli::registry::RegistryError) -> Self {
+impl From<stimuli::contract::MakeError> for LabError {
+    fn from(error: stimuli::contract::MakeError) -> Self {
         Self::BadInput(error.to_string())
     }
 }

@@ -156,6 +156,51 @@ pub trait Renderer: Send {
     fn set_parameters(&mut self, parameters: &Parameters) -> Result<(), Vec<ParameterError>>;
 }
 
+/// Why a scene or renderer could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MakeError {
+    /// Nothing of this name exists.
+    #[error("there is no {kind} \"{id}\"; there are {known}")]
+    Unknown {
+        /// `scene` or `renderer`.
+        kind: &'static str,
+        /// What was asked for.
+        id: String,
+        /// What there is.
+        known: String,
+    },
+    /// Parameters were refused.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Parameters(Vec<ParameterError>),
+    /// The display has more pixels on an axis than the device can draw.
+    #[error("the display has {found} pixels on one axis, the graphics device \"{adapter}\" draws at most {most}")]
+    TooLarge {
+        /// Pixels on the display's longer axis.
+        found: u32,
+        /// What the device allows.
+        most: u32,
+        /// The device.
+        adapter: String,
+    },
+    /// A picture that ships with this crate does not decode.
+    #[error("the shipped picture {name} cannot be read: {reason}")]
+    Asset {
+        /// Its name.
+        name: &'static str,
+        /// What the decoder said.
+        reason: String,
+    },
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+impl From<Vec<ParameterError>> for MakeError {
+    fn from(errors: Vec<ParameterError>) -> Self {
+        Self::Parameters(errors)
+    }
+}
+
 /// Why a frame could not be rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RenderError {

@@ -21,8 +21,10 @@ mod scenes;
 mod tiles;
 mod timing;
 
-pub use contract::{DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, RenderError, Renderer, Scene, SceneIdentity, View};
+pub use contract::{
+    DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
+};
 pub use display_pass::{Background, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};
 pub use gpu::{Gpu, GpuError};
-pub use registry::{RegistryError, catalogue, make_renderer, make_scene};
+pub use registry::{catalogue, make_renderer, make_scene};

@@ -5,6 +5,7 @@ use crate::display_pass::{Background, DisplayPass};
 use crate::gpu::{Gpu, GpuError};
 use crate::pass;
 use image::RgbaImage;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 /// Why a picture could not be brought back.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -76,42 +77,88 @@ pub fn displayed(
 
 /// The texture's bytes without padding between rows.
 fn raw_bytes(gpu: &Gpu, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result<Vec<u8>, ReadbackError> {
-    let row_bytes = texture.width() * bytes_per_pixel;
-    let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("readback"),
-        size: u64::from(padded_row_bytes) * u64::from(texture.height()),
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(padded_row_bytes),
-                rows_per_image: None,
-            },
-        },
-        texture.size(),
-    );
-    gpu.queue.submit([encoder.finish()]);
-    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
-    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver lives until the answer is read below.
-        let _ = sender.send(result);
-    });
+    let pending = PendingBytes::start(gpu, texture, bytes_per_pixel);
     gpu.wait()?;
-    let fault = |reason: String| ReadbackError::Gpu(GpuError::Fault(reason));
-    receiver.recv().map_err(|error| fault(error.to_string()))?.map_err(|error| fault(error.to_string()))?;
-    let mapped = buffer.get_mapped_range(..).map_err(|error| fault(error.to_string()))?;
-    let mut bytes = Vec::with_capacity(row_bytes as usize * texture.height() as usize);
-    for row in mapped.chunks_exact(padded_row_bytes as usize) {
-        bytes.extend_from_slice(&row[..row_bytes as usize]);
+    let never = || ReadbackError::Gpu(GpuError::Fault("a picture did not come back".to_owned()));
+    pending.arrived().unwrap_or_else(|| Err(never()))
+}
+
+/// A texture's bytes on their way from the GPU, for those who must not wait: a window asks now and then.
+#[derive(Debug)]
+pub struct PendingBytes {
+    buffer: wgpu::Buffer,
+    mapped: Receiver<Result<(), wgpu::BufferAsyncError>>,
+    row_bytes: usize,
+    padded_row_bytes: usize,
+    rows: usize,
+}
+
+impl PendingBytes {
+    /// Submits the copy of a whole texture. Its bytes arrive while the device is polled.
+    #[must_use]
+    pub fn start(gpu: &Gpu, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Self {
+        let row_bytes = texture.width() * bytes_per_pixel;
+        let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: u64::from(padded_row_bytes) * u64::from(texture.height()),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(padded_row_bytes),
+                    rows_per_image: None,
+                },
+            },
+            texture.size(),
+        );
+        gpu.queue.submit([encoder.finish()]);
+        let (sender, mapped) = sync_channel(1);
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver is gone when nobody needs the answer any more.
+            let _ = sender.send(result);
+        });
+        Self {
+            buffer,
+            mapped,
+            row_bytes: row_bytes as usize,
+            padded_row_bytes: padded_row_bytes as usize,
+            rows: texture.height() as usize,
+        }
     }
-    Ok(bytes)
+
+    /// The bytes without padding between rows, once they are there; nothing while they are on their way.
+    ///
+    /// # Errors
+    /// When the device failed in between.
+    #[must_use]
+    pub fn arrived(&self) -> Option<Result<Vec<u8>, ReadbackError>> {
+        match self.mapped.try_recv() {
+            Ok(Ok(())) => Some(self.bytes()),
+            Ok(Err(error)) => Some(Err(fault(&error))),
+            Err(TryRecvError::Disconnected) => Some(Err(fault(&"the device is gone"))),
+            Err(TryRecvError::Empty) => None,
+        }
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, ReadbackError> {
+        let mapped = self.buffer.get_mapped_range(..).map_err(|error| fault(&error))?;
+        let mut bytes = Vec::with_capacity(self.row_bytes * self.rows);
+        for row in mapped.chunks_exact(self.padded_row_bytes) {
+            bytes.extend_from_slice(&row[..self.row_bytes]);
+        }
+        Ok(bytes)
+    }
+}
+
+fn fault(reason: &impl ToString) -> ReadbackError {
+    ReadbackError::Gpu(GpuError::Fault(reason.to_string()))
 }
 
 /// A linear picture on the GPU from RGBA values, row by row from the top; for tests and for pictures made elsewhere.

@@ -1,18 +1,16 @@
 //! Every scene and renderer by name: one line each. Studies are checked against [`catalogue`], and pictures come from
 //! what [`make_scene`] and [`make_renderer`] return.
 
-use crate::contract::{Renderer, Scene};
-use crate::gpu::{Gpu, GpuError};
+use crate::contract::{MakeError, Renderer, Scene};
+use crate::gpu::Gpu;
 use crate::{renderers, scenes};
-use experiments::catalogue::{
-    Catalogue, ParameterError, ParameterSchema, Parameters, RendererInfo, SceneInfo, complete_parameters,
-};
+use experiments::catalogue::{Catalogue, ParameterSchema, Parameters, RendererInfo, SceneInfo, complete_parameters};
 use experiments::display::Display;
 
 /// Makes a scene from completed parameters.
-type MakeScene = fn(&Gpu, &Display, &Parameters) -> Result<Box<dyn Scene>, RegistryError>;
+type MakeScene = fn(&Gpu, &Display, &Parameters) -> Result<Box<dyn Scene>, MakeError>;
 /// Makes a renderer from completed parameters.
-type MakeRenderer = fn(&Gpu, &Display, &Parameters) -> Result<Box<dyn Renderer>, RegistryError>;
+type MakeRenderer = fn(&Gpu, &Display, &Parameters) -> Result<Box<dyn Renderer>, MakeError>;
 
 /// A scene or renderer described as data, and how it is made.
 type Entry<Info, Make> = (fn() -> Info, Make);
@@ -28,51 +26,6 @@ const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[
     (renderers::ring::info, renderers::ring::make),
     (renderers::layers::info, renderers::layers::make),
 ];
-
-/// Why a scene or renderer could not be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RegistryError {
-    /// Nothing of this name exists.
-    #[error("there is no {kind} \"{id}\"; there are {known}")]
-    Unknown {
-        /// `scene` or `renderer`.
-        kind: &'static str,
-        /// What was asked for.
-        id: String,
-        /// What there is.
-        known: String,
-    },
-    /// Parameters were refused.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
-    Parameters(Vec<ParameterError>),
-    /// The display has more pixels on an axis than the device can draw.
-    #[error("the display has {found} pixels on one axis, the graphics device \"{adapter}\" draws at most {most}")]
-    TooLarge {
-        /// Pixels on the display's longer axis.
-        found: u32,
-        /// What the device allows.
-        most: u32,
-        /// The device.
-        adapter: String,
-    },
-    /// A picture that ships with this crate does not decode.
-    #[error("the shipped picture {name} cannot be read: {reason}")]
-    Asset {
-        /// Its name.
-        name: &'static str,
-        /// What the decoder said.
-        reason: String,
-    },
-    /// The device failed.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
-
-impl From<Vec<ParameterError>> for RegistryError {
-    fn from(errors: Vec<ParameterError>) -> Self {
-        Self::Parameters(errors)
-    }
-}
 
 /// Everything that a study may name. Needs no GPU.
 #[must_use]
@@ -92,7 +45,7 @@ pub fn make_scene(
     display: &Display,
     id: &str,
     parameters: &Parameters,
-) -> Result<Box<dyn Scene>, RegistryError> {
+) -> Result<Box<dyn Scene>, MakeError> {
     let found = SCENES.iter().map(|(info, make)| (info(), make)).find(|(info, _)| info.id == id);
     let (info, make) = found.ok_or_else(|| unknown("scene", id, catalogue().scenes.into_iter().map(|s| s.id)))?;
     make(gpu, display, &prepared(gpu, display, &info.parameters, parameters)?)
@@ -107,7 +60,7 @@ pub fn make_renderer(
     display: &Display,
     id: &str,
     parameters: &Parameters,
-) -> Result<Box<dyn Renderer>, RegistryError> {
+) -> Result<Box<dyn Renderer>, MakeError> {
     let found = RENDERERS.iter().map(|(info, make)| (info(), make)).find(|(info, _)| info.id == id);
     let (info, make) = found.ok_or_else(|| unknown("renderer", id, catalogue().renderers.into_iter().map(|r| r.id)))?;
     make(gpu, display, &prepared(gpu, display, &info.parameters, parameters)?)
@@ -118,18 +71,18 @@ fn prepared(
     display: &Display,
     schemas: &[ParameterSchema],
     given: &Parameters,
-) -> Result<Parameters, RegistryError> {
+) -> Result<Parameters, MakeError> {
     let [width, height] = display.resolution_px();
     let (found, most) = (width.max(height), gpu.device.limits().max_texture_dimension_2d);
     if found > most {
-        return Err(RegistryError::TooLarge { found, most, adapter: gpu.adapter_info.name.clone() });
+        return Err(MakeError::TooLarge { found, most, adapter: gpu.adapter_info.name.clone() });
     }
     gpu.check()?;
     Ok(complete_parameters(schemas, given)?)
 }
 
-fn unknown(kind: &'static str, id: &str, known: impl Iterator<Item = String>) -> RegistryError {
-    RegistryError::Unknown { kind, id: id.to_owned(), known: known.collect::<Vec<_>>().join(", ") }
+fn unknown(kind: &'static str, id: &str, known: impl Iterator<Item = String>) -> MakeError {
+    MakeError::Unknown { kind, id: id.to_owned(), known: known.collect::<Vec<_>>().join(", ") }
 }
 
 #[cfg(test)]

@@ -5,14 +5,13 @@
 //! reprojection, and outer layers at half rate (§4.2), so coarse layers alias as a single frame of theirs would.
 
 use crate::contract::{
-    DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, RenderError, Renderer, Scene, SceneIdentity, View,
+    DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
 };
 use crate::foveation::plan::{LayerPlan, optimise};
 use crate::geometry::{Cone, GeometryUniform, PixelBox};
 use crate::gpu::Gpu;
 use crate::parameters::{number, text};
 use crate::pass::{self, Extent};
-use crate::registry::RegistryError;
 use crate::timing::GpuTimer;
 use experiments::catalogue::{ParameterError, ParameterSchema, Parameters, RendererInfo, complete_parameters};
 use experiments::display::Display;
@@ -84,7 +83,7 @@ fn planned(display: &Display, parameters: &Parameters) -> Result<LayerPlan, Vec<
     Ok(optimise(display, number(parameters, "m")?, number(parameters, "omega0_deg")?, 3, restrict_s2))
 }
 
-pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Renderer>, RegistryError> {
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Renderer>, MakeError> {
     let output = pass::linear_texture(gpu, "layers output", display.resolution_px());
     Ok(Box::new(Layers {
         display: display.clone(),

@@ -1,10 +1,9 @@
 //! The scene at the display's full resolution: what every foveated picture is compared with. A picture that does not
 //! change is drawn once.
 
-use crate::contract::{DrawCost, FrameCost, FrameInput, RenderError, Renderer, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, FrameCost, FrameInput, MakeError, RenderError, Renderer, Scene, SceneIdentity, View};
 use crate::gpu::Gpu;
 use crate::pass;
-use crate::registry::RegistryError;
 use crate::timing::GpuTimer;
 use experiments::catalogue::{ParameterError, Parameters, RendererInfo, complete_parameters};
 use experiments::display::Display;
@@ -63,7 +62,7 @@ struct Reference {
     timer: GpuTimer,
 }
 
-pub(crate) fn make(gpu: &Gpu, display: &Display, _: &Parameters) -> Result<Box<dyn Renderer>, RegistryError> {
+pub(crate) fn make(gpu: &Gpu, display: &Display, _: &Parameters) -> Result<Box<dyn Renderer>, MakeError> {
     Ok(Box::new(Reference { picture: ReferencePicture::new(gpu, display), timer: GpuTimer::new(gpu) }))
 }
 

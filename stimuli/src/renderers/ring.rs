@@ -24,12 +24,11 @@
 //! The filtered picture does not depend on the gaze. What a frame needs of it is made once for a picture and an omega, and
 //! a frame in which only the gaze has moved makes little more than the mixing of the two pictures in the ring.
 
-use crate::contract::{FrameCost, FrameInput, LINEAR_FORMAT, RenderError, Renderer, Scene};
+use crate::contract::{FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene};
 use crate::geometry::{Cone, GeometryUniform, PixelBox};
 use crate::gpu::Gpu;
 use crate::parameters::number;
 use crate::pass::{self, Extent};
-use crate::registry::RegistryError;
 use crate::renderers::low_passed::LowPassed;
 use crate::renderers::reference::ReferencePicture;
 use crate::timing::GpuTimer;
@@ -104,7 +103,7 @@ struct Ring {
     timer: GpuTimer,
 }
 
-pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Renderer>, RegistryError> {
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Renderer>, MakeError> {
     let output = pass::linear_texture(gpu, "ring output", display.resolution_px());
     Ok(Box::new(Ring {
         display: display.clone(),

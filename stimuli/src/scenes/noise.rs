@@ -2,11 +2,10 @@
 //! on which a filter's amplitude spectrum can be measured, and a real stimulus in its own right.
 
 use super::ViewUniform;
-use crate::contract::{DrawCost, RenderError, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
 use crate::gpu::Gpu;
 use crate::parameters::number;
 use crate::pass::{self, Extent};
-use crate::registry::RegistryError;
 use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
 use experiments::display::Display;
 
@@ -48,7 +47,7 @@ struct Noise {
     contrast: f32,
 }
 
-pub(crate) fn make(gpu: &Gpu, _: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, RegistryError> {
+pub(crate) fn make(gpu: &Gpu, _: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
     Ok(Box::new(Noise {
         identity: SceneIdentity::new(),
         pipeline: pass::pipeline(gpu, "noise", WGSL, "noise", crate::LINEAR_FORMAT),

@@ -3,12 +3,11 @@
 //! degree in the scene is a degree on the display, whatever its size and distance.
 
 use super::ViewUniform;
-use crate::contract::{DrawCost, RenderError, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
 use crate::geometry::GeometryUniform;
 use crate::gpu::Gpu;
 use crate::parameters::number;
 use crate::pass::{self, Extent};
-use crate::registry::RegistryError;
 use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
 use experiments::display::Display;
 use glam::{DVec3, Vec3, Vec4};
@@ -117,9 +116,9 @@ struct Orbit {
     camera_start_deg: f64,
 }
 
-pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, RegistryError> {
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
     let decoded = image::load_from_memory_with_format(ENVIRONMENT, image::ImageFormat::OpenExr)
-        .map_err(|error| RegistryError::Asset { name: "park", reason: error.to_string() })?
+        .map_err(|error| MakeError::Asset { name: "park", reason: error.to_string() })?
         .into_rgb32f();
     let size = [decoded.width(), decoded.height()];
     let repaired = repaired(&decoded);

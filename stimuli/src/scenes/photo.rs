@@ -2,12 +2,11 @@
 //! 2019, §5.1, extended their patches). Unscaled, every display pixel is exactly one pixel of the photograph.
 
 use super::ViewUniform;
-use crate::contract::{DrawCost, RenderError, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
 use crate::display_pass::linear_from_srgb8;
 use crate::gpu::Gpu;
 use crate::parameters::{number, text};
 use crate::pass::{self, Extent};
-use crate::registry::RegistryError;
 use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
 use experiments::display::Display;
 
@@ -63,11 +62,11 @@ struct Photo {
     scale: f32,
 }
 
-pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, RegistryError> {
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
     let image = text(parameters, "image")?;
     let (name, bytes) = PHOTOGRAPHS.into_iter().find(|(name, _)| *name == image).unwrap_or(PHOTOGRAPHS[0]);
     let decoded = image::load_from_memory_with_format(bytes, image::ImageFormat::Png)
-        .map_err(|error| RegistryError::Asset { name, reason: error.to_string() })?
+        .map_err(|error| MakeError::Asset { name, reason: error.to_string() })?
         .into_rgb8();
     let linear: Vec<[f32; 4]> = decoded
         .pixels()

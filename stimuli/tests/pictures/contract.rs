@@ -2,7 +2,7 @@
 
 use crate::common::{Setup, display, gpu, looking_at, numbers};
 use experiments::catalogue::{ParameterValue, Parameters};
-use stimuli::{FrameInput, RegistryError, RenderError, catalogue, make_renderer, make_scene};
+use stimuli::{FrameInput, MakeError, RenderError, catalogue, make_renderer, make_scene};
 
 fn every_pair() -> Vec<(String, String)> {
     let catalogue = catalogue();
@@ -105,7 +105,7 @@ fn refusals_say_what_was_wrong() {
     assert!(unknown.to_string().contains("ring"), "{unknown}");
     let parameters = numbers([("mar_deg", 1e9), ("wrong", 1.0)]);
     match make_renderer(gpu(), &display, "ring", &parameters).err() {
-        Some(RegistryError::Parameters(errors)) => assert_eq!(errors.len(), 2),
+        Some(MakeError::Parameters(errors)) => assert_eq!(errors.len(), 2),
         other => panic!("{other:?}"),
     }
     let mut setup = Setup::new(&display, ("noise", &none), ("ring", &none));
