@@ -101,7 +101,7 @@ struct Running {
     /// The instant of session time 0.
     zero: Instant,
     frame_s: f64,
-    /// When the next frame is due, session seconds.
+    /// When the next frame is to be presented at the latest, session seconds.
     due_s: f64,
     vertical_blank: bool,
     hashed_phase: Option<u64>,
@@ -151,11 +151,12 @@ impl ApplicationHandler for App {
         let Some(stage) = &self.stage else {
             return;
         };
-        // With vertical blank the display holds the loop back; with a timer, the loop wakes just before a frame is due.
+        // With vertical blank the display holds the loop back; with a timer, the loop wakes one frame before one is due.
         if let Some(running) = &stage.running
             && !running.vertical_blank
         {
-            let due = running.zero + Duration::try_from_secs_f64(running.due_s.max(0.0)).unwrap_or_default();
+            let wake_s = (running.due_s - running.frame_s).max(0.0);
+            let due = running.zero + Duration::try_from_secs_f64(wake_s).unwrap_or_default();
             if Instant::now() < due {
                 event_loop.set_control_flow(ControlFlow::WaitUntil(due));
                 return;
@@ -229,7 +230,7 @@ impl App {
                     runner,
                     zero,
                     frame_s: measured.frame_s,
-                    due_s: zero.elapsed().as_secs_f64(),
+                    due_s: zero.elapsed().as_secs_f64() + measured.frame_s,
                     vertical_blank: measured.pacing == VERTICAL_BLANK,
                     hashed_phase: None,
                     rows: VecDeque::new(),
