@@ -109,6 +109,19 @@ impl Painter {
         Ok(cost)
     }
 
+    /// Renders what a trial is about to show, without showing it, so that its first frame is not late: renderers keep what
+    /// does not depend on the gaze. Pictures are the same with it and without.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn warm_up(&mut self, view: &View<'_>) -> Result<(), LabError> {
+        for alternative in [Alternative::Reference, Alternative::Test] {
+            let presentation = Presentation::Stimulus(alternative);
+            self.render_stimulus(&View { presentation: &presentation, ..*view })?;
+        }
+        Ok(())
+    }
+
     /// Draws the stimulus of a frame again into a target of another format, for example to bring it back from the GPU.
     /// Only the display pass runs; the stimulus is the one that [`Painter::paint`] rendered last.
     pub fn compose(&self, view: &View<'_>, pass: &DisplayPass, target: &wgpu::TextureView, target_px: [u32; 2]) {

@@ -104,7 +104,8 @@ struct Running {
     /// When the next frame is to be presented at the latest, session seconds.
     due_s: f64,
     vertical_blank: bool,
-    hashed_phase: Option<u64>,
+    /// The phase of the frame before.
+    shown_phase: Option<u64>,
     rows: VecDeque<(FrameRow, Option<PendingHash>)>,
 }
 
@@ -232,7 +233,7 @@ impl App {
                     frame_s: measured.frame_s,
                     due_s: zero.elapsed().as_secs_f64() + measured.frame_s,
                     vertical_blank: measured.pacing == VERTICAL_BLANK,
-                    hashed_phase: None,
+                    shown_phase: None,
                     rows: VecDeque::new(),
                 });
             }
@@ -438,9 +439,12 @@ impl Stage {
         // Draw, present, and note when.
         let cost = self.show(texture, &view)?;
         let presented_s = running.zero.elapsed().as_secs_f64();
+        let new_phase = running.shown_phase.replace(running.runner.phase_seq()) != Some(running.runner.phase_seq());
+        if new_phase && *view.presentation == Presentation::Fixation {
+            self.painter.warm_up(&view)?;
+        }
         let missed = presented_s - scheduled_s > 0.5 * running.frame_s;
-        let first_of_interval = matches!(view.presentation, Presentation::Stimulus(_))
-            && running.hashed_phase.replace(running.runner.phase_seq()) != Some(running.runner.phase_seq());
+        let first_of_interval = new_phase && matches!(view.presentation, Presentation::Stimulus(_));
         let hash = first_of_interval.then(|| PendingHash::start(&self.painter, &self.hash_pass, &view));
         if let Some(mut row) = running.runner.frame_row(scheduled_s, view.animation_s) {
             row.presented_s = presented_s;
