@@ -79,8 +79,12 @@ pub fn displayed(
 fn raw_bytes(gpu: &Gpu, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result<Vec<u8>, ReadbackError> {
     let pending = PendingBytes::start(gpu, texture, bytes_per_pixel);
     gpu.wait()?;
-    let never = || ReadbackError::Gpu(GpuError::Fault("a picture did not come back".to_owned()));
-    pending.arrived().unwrap_or_else(|| Err(never()))
+    // Another thread that polls the same device may be the one that delivers the answer, a moment later.
+    match pending.mapped.recv() {
+        Ok(Ok(())) => pending.bytes(),
+        Ok(Err(error)) => Err(fault(&error)),
+        Err(gone) => Err(fault(&gone)),
+    }
 }
 
 /// A texture's bytes on their way from the GPU, for those who must not wait: a window asks now and then.
