@@ -1,7 +1,7 @@
 //! The report of an analysis: gathers from sessions on disk what `analysis::report` puts on its page.
 
 use crate::error::LabError;
-use crate::results::{ObserverResult, fixation_deg};
+use crate::results::ObserverResult;
 use crate::session::SessionFolder;
 use analysis::figures::{self, GazeView, TrackPoint};
 use analysis::gaze::GazeSample;
@@ -10,6 +10,7 @@ use analysis::report::{ReportInput, SessionReport, html};
 use analysis::timing::Frame;
 use experiments::mar::MarModel;
 use experiments::procedures::Belief;
+use experiments::study::draft::StudyDraft;
 use experiments::trial::{Outcome, PhaseName};
 use std::path::Path;
 
@@ -67,7 +68,6 @@ fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError
         gaze.extend(gaze_during_stimuli(session)?);
         frames.extend(frames_of(session)?);
     }
-    let study: serde_json::Value = serde_json::from_str(&header.study.text).unwrap_or_default();
     let names: Vec<String> = result.sessions.iter().map(|session| session.name()).collect();
     Ok(SessionReport {
         observer: result.observer.clone(),
@@ -76,7 +76,7 @@ fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError
         started: Some(header.started.clone()),
         display: first.display.clone(),
         gaze_source: header.gaze_source["id"].as_str().unwrap_or("unknown").to_owned(),
-        stimulus: stimulus(&study),
+        stimulus: stimulus(&first.study),
         adapter: header.stage.gpu.clone().unwrap_or_else(|| "no pictures were drawn".to_owned()),
         seed: header.seed,
         run_version: format!("{} {}", header.program.name, header.program.version),
@@ -90,8 +90,8 @@ fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError
         gaze,
         gaze_view: GazeView {
             half_field_deg: first.display.half_field_deg(),
-            fixation_deg: fixation_deg(first),
-            gate_deg: study["gaze"]["gate_deg"].as_f64(),
+            fixation_deg: first.fixation_deg(),
+            gate_deg: first.study.gaze.as_ref().and_then(|gaze| gaze.gate_deg),
         },
         aborted_trials: result
             .sessions
@@ -106,14 +106,19 @@ fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError
 }
 
 /// The scenes and renderers of a study's conditions, in words.
-fn stimulus(study: &serde_json::Value) -> String {
-    let conditions = study["conditions"].as_object();
-    let described: Vec<String> = conditions
-        .into_iter()
+fn stimulus(study: &StudyDraft) -> String {
+    let described: Vec<String> = study
+        .conditions
+        .iter()
         .flatten()
-        .map(|(name, condition)| {
-            let text = |key: &str| condition[key].as_str().unwrap_or("?").to_owned();
-            format!("{name}: scene {}, renderer {}", text("scene"), text("renderer"))
+        .filter_map(|(name, condition)| {
+            let condition = condition.as_ref()?;
+            let or_unknown = |id: &Option<String>| id.clone().unwrap_or_else(|| "?".to_owned());
+            Some(format!(
+                "{name}: scene {}, renderer {}",
+                or_unknown(&condition.scene),
+                or_unknown(&condition.renderer)
+            ))
         })
         .collect();
     described.join("; ")
@@ -145,7 +150,7 @@ fn track(session: &SessionFolder) -> Vec<TrackPoint> {
 
 /// Gaze samples that fell into a stimulus interval, both tables read once in order of time.
 fn gaze_during_stimuli(session: &SessionFolder) -> Result<Vec<GazeSample>, LabError> {
-    let fixation = fixation_deg(session);
+    let fixation = session.fixation_deg();
     let mut intervals: Vec<(f64, f64)> = Vec::new();
     for trial in &session.record.trials {
         for (index, (phase, began_s)) in trial.phases.iter().enumerate() {

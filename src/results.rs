@@ -19,14 +19,6 @@ pub struct ObserverResult<'a> {
     pub fit: MarFit,
 }
 
-/// Where the fixation mark stood, from the study's own text; the display's centre if it says nothing.
-#[must_use]
-pub fn fixation_deg(session: &SessionFolder) -> [f64; 2] {
-    let study: serde_json::Value = serde_json::from_str(&session.header.study.text).unwrap_or_default();
-    let axis = |index: usize| study["gaze"]["fixation_deg"][index].as_f64().unwrap_or(0.0);
-    [axis(0), axis(1)]
-}
-
 /// The trials of a session that enter a fit.
 #[must_use]
 pub fn fitted_trials(session: &SessionFolder) -> Vec<MarTrial> {
@@ -66,7 +58,7 @@ pub fn fit_sessions(sessions: &[SessionFolder]) -> Result<Vec<ObserverResult<'_>
             let mut eccentricities: Vec<f64> = trials.iter().map(|trial| trial.eccentricity_deg).collect();
             eccentricities.sort_by(f64::total_cmp);
             eccentricities.dedup();
-            let fixation = fixation_deg(first);
+            let fixation = first.fixation_deg();
             let finest_mar =
                 eccentricities.iter().map(|&e| (e, finest_mar_around(&first.display, fixation, e))).collect();
             let config = MarFitConfig { finest_mar, ..MarFitConfig::default() };

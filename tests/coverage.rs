@@ -65,6 +65,7 @@ fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
         path: PathBuf::from(format!("seed-{seed}")),
         header,
         display: plan.display.clone(),
+        study: serde_json::from_str(text).unwrap(),
         journal,
         record,
     }

@@ -1,13 +1,13 @@
 //! `parafovea demo`: the whole idea at work, with an observer whose acuity is known.
 
-use super::{analyze, inputs, print, progress, replay, say};
+use super::{analyze, inputs, print, replay, run, say};
 use crate::error::LabError;
 use crate::export;
 use crate::replay::Replay;
 use crate::results::fit_sessions;
 use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
-use crate::stage::launch::{OffscreenGaze, Request, StudyFile, run_offscreen};
+use crate::stage::launch::{OffscreenGaze, Request, StudyFile};
 use clap::Args;
 use experiments::observers::MarObserver;
 use experiments::trial::{Alternative, PhaseName, Presentation};
@@ -39,15 +39,9 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     let plan = Arc::new(inputs::plan(&study, None)?);
 
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
-    let most: u32 = plan.blocks.iter().map(|block| block.procedure.max_trials()).sum();
     let request =
         Request { plan, study, observer: "SIM".to_owned(), data: args.data.clone(), seed: args.seed, earlier: None };
-    let bar = progress::bar(u64::from(most), "trials");
-    let observer = MarObserver::new(truth, args.seed);
-    let folder = run_offscreen(request, observer, &OffscreenGaze::Simulated, !args.no_render, |completed| {
-        bar.set_position(u64::from(completed));
-    })?;
-    bar.finish_and_clear();
+    let folder = run::offscreen_with_progress(request, truth, &OffscreenGaze::Simulated, !args.no_render)?;
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();
     say(&format!("   {trials} trials in {}", folder.display()));

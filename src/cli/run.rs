@@ -4,6 +4,7 @@ use super::{inputs, print, progress, say};
 use crate::error::LabError;
 use crate::stage::launch::{OffscreenGaze, Request, run_in_window, run_offscreen, unfinished_session};
 use clap::Args;
+use experiments::mar::MarModel;
 use experiments::observers::MarObserver;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -91,18 +92,12 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     if let Some(session) = &earlier {
         session.notices().iter().for_each(|notice| say(notice));
     }
-    let most: u32 = plan.blocks.iter().map(|block| block.procedure.max_trials()).sum();
     let request = Request { plan, study, observer: args.observer.clone(), data: args.data.clone(), seed, earlier };
     let folder = match &args.simulate {
         Some(truth) => {
             let model =
                 MarObserver::parse_model(truth).map_err(|error| LabError::BadInput(format!("--simulate: {error}")))?;
-            let bar = progress::bar(u64::from(most), "trials");
-            let observer = MarObserver::new(model, seed);
-            let progress = |completed| bar.set_position(u64::from(completed));
-            let folder = run_offscreen(request, observer, &gaze, !args.no_render, progress)?;
-            bar.finish_and_clear();
-            folder
+            offscreen_with_progress(request, model, &gaze, !args.no_render)?
         }
         None => {
             let (folder, finished) = run_in_window(request, args.fullscreen)?;
@@ -113,6 +108,20 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
         }
     };
     print(&folder.display().to_string())
+}
+
+/// Runs a session offscreen behind a progress bar; used by `demo` as well.
+pub(super) fn offscreen_with_progress(
+    request: Request,
+    truth: MarModel,
+    gaze: &OffscreenGaze,
+    render: bool,
+) -> Result<PathBuf, LabError> {
+    let bar = progress::bar(u64::from(request.plan.max_trials()), "trials");
+    let observer = MarObserver::new(truth, request.seed);
+    let folder = run_offscreen(request, observer, gaze, render, |completed| bar.set_position(u64::from(completed)))?;
+    bar.finish_and_clear();
+    Ok(folder)
 }
 
 /// What `--gaze` asks for. A window has only the mouse, which needs no more than its name.

@@ -11,6 +11,7 @@ use crate::error::LabError;
 use experiments::Display;
 use experiments::session::Event;
 use experiments::session::record::Record;
+use experiments::study::draft::StudyDraft;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -23,6 +24,8 @@ pub struct SessionFolder {
     pub header: Header,
     /// Its display, from the header.
     pub display: Display,
+    /// Its study as written, for readers that need no plan and so no renderer; empty if it cannot be read any more.
+    pub study: StudyDraft,
     /// Its journal, up to any damage.
     pub journal: Journal,
     /// The journal's trials.
@@ -87,7 +90,8 @@ impl SessionFolder {
             )));
         }
         let record = Record::from_events(&journal.events);
-        Ok(Self { path: path.to_owned(), header, display, journal, record })
+        let study = serde_json::from_str(&header.study.text).unwrap_or_default();
+        Ok(Self { path: path.to_owned(), header, display, study, journal, record })
     }
 
     /// The folder's own name, without the path to it.
@@ -95,6 +99,12 @@ impl SessionFolder {
     pub fn name(&self) -> String {
         let whole = self.path.canonicalize().unwrap_or_else(|_| self.path.clone());
         whole.file_name().map_or_else(|| whole.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Where the fixation mark stood, degrees; the display's centre if the study says nothing.
+    #[must_use]
+    pub fn fixation_deg(&self) -> [f64; 2] {
+        self.study.gaze.as_ref().and_then(|gaze| gaze.fixation_deg).unwrap_or_default()
     }
 
     /// Every gaze sample, up to any damage.

@@ -69,12 +69,6 @@ impl Painter {
         Self { display: display.clone(), fixation, page: None, sets: HashMap::new(), pass, gpu }
     }
 
-    /// The display it paints for.
-    #[must_use]
-    pub fn display(&self) -> &Display {
-        &self.display
-    }
-
     /// Loads what a condition needs, so that its first frame is not late.
     ///
     /// # Errors

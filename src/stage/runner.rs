@@ -156,12 +156,6 @@ impl Runner {
         self.gaze
     }
 
-    /// The number that the next frame will have.
-    #[must_use]
-    pub fn next_frame(&self) -> u64 {
-        self.frames
-    }
-
     /// Takes in what happened at `t_s`.
     ///
     /// # Errors

@@ -31,6 +31,14 @@ pub struct Plan {
     pub blocks: Vec<BlockPlan>,
 }
 
+impl Plan {
+    /// The most trials that the study can have, all blocks together, aborted ones aside.
+    #[must_use]
+    pub fn max_trials(&self) -> u32 {
+        self.blocks.iter().map(|block| block.procedure.max_trials()).fold(0, u32::saturating_add)
+    }
+}
+
 /// Where observers look and what happens when they do not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GazePlan {
