@@ -153,10 +153,10 @@ fn gaze_during_stimuli(session: &SessionFolder) -> Result<Vec<GazeSample>, LabEr
     let fixation = session.fixation_deg();
     let mut intervals: Vec<(f64, f64)> = Vec::new();
     for trial in &session.record.trials {
-        for (index, (phase, began_s)) in trial.phases.iter().enumerate() {
-            if matches!(phase, PhaseName::Interval1 | PhaseName::Interval2) {
-                let ended_s = trial.phases.get(index + 1).map_or(trial.ended_s, |next| next.1);
-                intervals.push((*began_s, ended_s));
+        for (index, phase) in trial.phases.iter().enumerate() {
+            if phase.shown.is_some() {
+                let ended_s = trial.phases.get(index + 1).map_or(trial.ended_s, |next| next.began_s);
+                intervals.push((phase.began_s, ended_s));
             }
         }
     }

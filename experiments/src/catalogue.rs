@@ -3,6 +3,7 @@
 //! `stimuli` knows scenes and renderers; this crate knows none of them by name. The lab builds a [`Catalogue`] from the
 //! registries of `stimuli` and hands it to [`crate::study`], so that a study is checked against what really exists.
 
+use crate::mar::{SIGMA_PER_MAR, slope_from_quality_index};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -45,6 +46,77 @@ pub struct RendererInfo {
     pub source: String,
     /// What may be set, with units and bounds.
     pub parameters: Vec<ParameterSchema>,
+    /// How its parameters decide the detail that is left.
+    pub detail: DetailLaw,
+}
+
+/// How a renderer's parameters decide the detail that is left at an eccentricity: the finest detail in the picture, as an
+/// omega in degrees per cycle.
+///
+/// Checks ask it whether a display can show a level at all, simulated observers whether anybody could see it. Texts are
+/// names of the renderer's parameters.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(tag = "law", rename_all = "kebab-case")]
+pub enum DetailLaw {
+    /// Nothing is removed.
+    Full,
+    /// Detail finer than `mar` is removed in a ring of `width` around `eccentricity`.
+    Ring {
+        /// The middle of the ring, degrees.
+        eccentricity: String,
+        /// Its full width, degrees.
+        width: String,
+        /// The detail limit within it, degrees per cycle.
+        mar: String,
+    },
+    /// omega = m e + omega0 (Guenter 2012, Eq. 1).
+    Line {
+        /// The slope m.
+        m: String,
+        /// The intercept omega0, degrees per cycle.
+        omega0: String,
+        /// Guenter's quality index, which sets the slope instead of `m` where it is above zero.
+        quality_index: Option<String>,
+    },
+    /// A Gaussian whose standard deviation is `rate` · (e − `radius`) degrees beyond `radius` (Tursun 2019, Eq. 14).
+    Gaussian {
+        /// The radius r of the untouched part, degrees.
+        radius: String,
+        /// The rate k, degrees per degree.
+        rate: String,
+    },
+    /// It cannot be said.
+    #[default]
+    Unknown,
+}
+
+impl DetailLaw {
+    /// The finest detail left at `eccentricity_deg` in degrees per cycle, 0 where nothing is removed; nothing if it
+    /// cannot be said.
+    #[must_use]
+    pub fn mar_deg(&self, parameters: &Parameters, eccentricity_deg: f64) -> Option<f64> {
+        let number = |name: &String| match parameters.get(name) {
+            Some(ParameterValue::Number(value)) => Some(*value),
+            _ => None,
+        };
+        match self {
+            Self::Full => Some(0.0),
+            Self::Ring { eccentricity, width, mar } => {
+                let beyond = (eccentricity_deg - number(eccentricity)?).abs() - 0.5 * number(width)?;
+                Some(if beyond <= 0.0 { number(mar)? } else { 0.0 })
+            }
+            Self::Line { m, omega0, quality_index } => {
+                let index = quality_index.as_ref().and_then(number).filter(|&index| index > 0.0);
+                let slope = index.map_or_else(|| number(m), |index| Some(slope_from_quality_index(index)))?;
+                Some(slope * eccentricity_deg + number(omega0)?)
+            }
+            Self::Gaussian { radius, rate } => {
+                let sigma_deg = number(rate)? * (eccentricity_deg - number(radius)?).max(0.0);
+                Some(sigma_deg / SIGMA_PER_MAR)
+            }
+            Self::Unknown => None,
+        }
+    }
 }
 
 /// One parameter of a scene or renderer.

@@ -6,9 +6,11 @@
 //! them to the world.
 
 pub mod catalogue;
+pub mod design;
 pub mod display;
 pub mod gate;
 pub mod mar;
+pub mod marks;
 pub mod observers;
 pub mod procedures;
 pub mod session;

@@ -10,6 +10,25 @@ use statrs::function::erf::erfc;
 /// Φ⁻¹(0.95) − Φ⁻¹(0.05) (Schütt et al. 2016, for the cumulative Gauss).
 pub const WIDTH_SCALE: f64 = 3.289_707_253_902_945;
 
+/// Standard deviation over omega of the Gaussian low-pass that stands for a detail limit: its amplitude
+/// exp(−2π²σ²f²) is ½ at f = 1/omega. √(ln 2 / (2π²)).
+pub const SIGMA_PER_MAR: f64 = 0.187_390_625_129_277_6;
+
+/// Guenter's quality index law: slope m = 0.33 / j, in degrees per cycle per degree.
+///
+/// The paper's supplement is not at hand; its pairs j = 12 ↔ 0.0275 and j = 15 ↔ 0.0220 (Guenter 2012, §5) give the
+/// constant. Larger j is finer; the studies used j from 4 to 22.
+#[must_use]
+pub fn slope_from_quality_index(quality_index: f64) -> f64 {
+    0.33 / quality_index
+}
+
+/// The quality index of a slope: the inverse of [`slope_from_quality_index`].
+#[must_use]
+pub fn quality_index_from_slope(m: f64) -> f64 {
+    0.33 / m
+}
+
 /// An observer's detail limit and how sharply they know it.
 ///
 /// `omega = m e + omega0` (Guenter 2012, Eq. 1), and the probability of a correct answer is

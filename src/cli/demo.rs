@@ -104,7 +104,8 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
 fn some_frames(replay: &Replay) -> Vec<&FrameRow> {
     let omega = |frame: &FrameRow| {
         let view = replay.view(frame).ok()?;
-        let is_test = matches!(view.presentation, Presentation::Stimulus(Alternative::Test));
+        let is_test =
+            matches!(view.presentation, Presentation::Stimulus(shown) if shown.alternative == Alternative::Test);
         is_test.then_some(())?;
         view.level?.get("mar_deg").copied()
     };

@@ -77,8 +77,8 @@ pub fn run_offscreen(
         // Nothing is late in virtual time, so each frame's own GPU time can be waited for.
         gpu.set_blocking_timing(true);
         let mut painter = Painter::new(gpu, display, plan.gaze.fixation_deg, wgpu::TextureFormat::Rgba8Unorm);
-        for block in &plan.blocks {
-            painter.prepare(&block.condition)?;
+        for cell in plan.blocks.iter().flat_map(|block| &block.cells) {
+            painter.prepare(&cell.condition)?;
         }
         Some(painter)
     } else {

@@ -110,7 +110,7 @@ impl Painter {
     /// When the device fails.
     pub fn warm_up(&mut self, view: &View<'_>) -> Result<(), LabError> {
         for alternative in [Alternative::Reference, Alternative::Test] {
-            let presentation = Presentation::Stimulus(alternative);
+            let presentation = Presentation::stimulus(alternative);
             self.render_stimulus(&View { presentation: &presentation, ..*view })?;
         }
         Ok(())
@@ -125,7 +125,7 @@ impl Painter {
             None => Background::Uniform([grey; 3]),
         };
         let overlay = match view.presentation {
-            Presentation::Grey => None,
+            Presentation::Grey | Presentation::Black | Presentation::Scale(_) => None,
             Presentation::Fixation | Presentation::Stimulus(_) => Some(&self.fixation),
             Presentation::Text(_) => self.page.as_ref().map(|(_, texture)| texture),
         };
@@ -174,7 +174,7 @@ impl Painter {
                 before == now
                     && a.condition == b.condition
                     && still(&a.condition)
-                    && (*now == Alternative::Reference || (a.level == b.level && a.gaze_deg == b.gaze_deg))
+                    && (now.alternative == Alternative::Reference || (a.level == b.level && a.gaze_deg == b.gaze_deg))
             }
             (before, now) => before == now,
         }
@@ -200,7 +200,7 @@ impl Painter {
                     frame_index: view.frame_index,
                     animation_s: view.animation_s,
                 };
-                let renderer = match alternative {
+                let renderer = match alternative.alternative {
                     Alternative::Reference => &mut set.reference,
                     Alternative::Test => {
                         let parameters = view.level.map_or_else(
@@ -228,7 +228,7 @@ impl Painter {
             return None;
         };
         let set = self.sets.get(&condition.name)?;
-        Some(match alternative {
+        Some(match alternative.alternative {
             Alternative::Reference => set.reference.as_ref(),
             Alternative::Test => set.test.as_ref(),
         })

@@ -11,7 +11,7 @@ use crate::session::tables::FrameRow;
 use crate::session::writer::{Acknowledgement, SessionWriter};
 use experiments::gate::Gate;
 use experiments::session::{Event, Stamped};
-use experiments::trial::{Input, Outcome, Phase, PhaseName, Presentation};
+use experiments::trial::{GazeRule, Input, Outcome, Phase, PhaseName, Presentation};
 use experiments::{Display, Session};
 
 /// How long no sample may come before gaze counts as lost, seconds.
@@ -194,7 +194,7 @@ impl Runner {
     fn act_on_gate(&mut self, now_s: f64) -> Result<(), LabError> {
         if self.gate_violated {
             self.inside_since_s = now_s;
-            if self.phase().is_some_and(|phase| phase.gated) {
+            if self.phase().is_some_and(|phase| matches!(phase.gaze, GazeRule::Abort | GazeRule::Hide)) {
                 self.input(now_s, Input::GazeLeft)?;
             }
         }
@@ -231,8 +231,8 @@ impl Runner {
             }
         }
         self.notice_silence(t_s)?;
-        let Some((duration_s, hold)) = self.phase().and_then(|phase| Some((phase.duration_s?, phase.hold_for_gaze)))
-        else {
+        let held = |phase: &Phase| Some((phase.duration_s?, phase.gaze == GazeRule::Hold));
+        let Some((duration_s, hold)) = self.phase().and_then(held) else {
             return Ok(());
         };
         let mut since_s = self.session.phase_began_s();

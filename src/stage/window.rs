@@ -222,10 +222,8 @@ impl App {
                     Duration::try_from_secs_f64(start_s).ok().and_then(|offset| began.checked_sub(offset)).ok_or_else(
                         || LabError::Failed("the session is older than this machine's clock reaches".to_owned()),
                     )?;
-                let conditions: Vec<_> =
-                    runner.session().plan().blocks.iter().map(|block| block.condition.clone()).collect();
-                for condition in &conditions {
-                    stage.painter.prepare(condition)?;
+                for cell in runner.session().plan().blocks.iter().flat_map(|block| &block.cells) {
+                    stage.painter.prepare(&cell.condition)?;
                 }
                 stage.running = Some(Running {
                     runner,

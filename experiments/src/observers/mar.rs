@@ -135,8 +135,8 @@ mod tests {
             interval_s: 0.3,
             gap_s: 0.2,
             answer_timeout_s: None,
-            feedback_s: 0.0,
             question: String::new(),
+            wanted: crate::study::plan::Wanted::Degraded,
         };
         for (seed, factor) in [(1, 0.5), (2, 1.0), (3, 1.4), (4, 5.0)] {
             let mut observer = MarObserver::new(model, seed);
@@ -146,7 +146,12 @@ mod tests {
             let n = 4000;
             for index in 0..n {
                 let test_first = index % 3 == 0;
-                let mut protocol = TwoInterval::new(&plan, test_first, false);
+                let order = if test_first {
+                    [Alternative::Test, Alternative::Reference]
+                } else {
+                    [Alternative::Reference, Alternative::Test]
+                };
+                let mut protocol = TwoInterval::new(&plan, order);
                 let mut step = protocol.next(None);
                 while let Step::Show(phase) = &step
                     && phase.name != PhaseName::Ask
@@ -154,11 +159,6 @@ mod tests {
                     step = protocol.next(Some(&Input::Elapsed));
                 }
                 let Step::Show(phase) = step else { panic!("asked") };
-                let order = if test_first {
-                    [Alternative::Test, Alternative::Reference]
-                } else {
-                    [Alternative::Reference, Alternative::Test]
-                };
                 let trial = Trial {
                     trial: index,
                     block: "main".to_owned(),
@@ -168,6 +168,9 @@ mod tests {
                     order,
                     eccentricity_deg: Some(8.0),
                     mar_deg: Some(omega),
+                    factors: Default::default(),
+                    repetition: None,
+                    path_seed: None,
                 };
                 let presented = Presented { phase: &phase, trial: Some(&trial), fixation_deg: [0.0, 0.0] };
                 let (answer, after_s) = observer.meet(&presented).answer.expect("answers");

@@ -3,7 +3,6 @@
 //! One file for each procedure. All are pure and deterministic in their random stream, so that a resumed session, which
 //! replays its journal, goes on exactly where it stopped.
 
-pub mod constant;
 pub mod mar_quest_plus;
 pub mod quest_plus;
 
@@ -42,11 +41,11 @@ pub struct Belief {
     pub sd: f64,
 }
 
-/// Starts the procedure that a plan asks for.
+/// Starts the adaptive procedure that a plan asks for; nothing for constant stimuli, which are the design's own list.
 #[must_use]
-pub fn start(plan: &ProcedurePlan, rng: &mut ChaCha8Rng) -> Box<dyn Procedure> {
+pub fn start(plan: &ProcedurePlan, _rng: &mut ChaCha8Rng) -> Option<Box<dyn Procedure>> {
     match plan {
-        ProcedurePlan::Constant(plan) => Box::new(constant::Constant::new(plan, rng)),
-        ProcedurePlan::QuestPlus(plan) => Box::new(mar_quest_plus::MarQuestPlus::new(plan)),
+        ProcedurePlan::Constant(_) => None,
+        ProcedurePlan::QuestPlus(plan) => Some(Box::new(mar_quest_plus::MarQuestPlus::new(plan))),
     }
 }

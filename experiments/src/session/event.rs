@@ -6,8 +6,10 @@
 
 use crate::procedures::Estimate;
 use crate::study::plan::Level;
+use crate::trial::form::Entries;
 use crate::trial::{Alternative, Input, Outcome, PhaseName};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Something that happened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,6 +41,12 @@ pub enum Event {
         trial: Option<u32>,
         /// Which phase.
         phase: PhaseName,
+        /// Which picture is shown, if one is.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        shown: Option<Alternative>,
+        /// The parameters that the phase shows instead of the trial's level: a ramp's, a slider's or an adjustment's.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        at: Level,
     },
     /// A trial ended.
     TrialEnded {
@@ -57,6 +65,24 @@ pub enum Event {
         /// Mean and SD by quantity.
         estimate: Estimate,
     },
+    /// A form was filled in.
+    FormFilled {
+        /// `participant`, or the block whose questionnaire it is.
+        form: String,
+        /// What was entered, by item.
+        entries: Entries,
+    },
+    /// A round of a practice block with a criterion was judged.
+    PracticeJudged {
+        /// The block.
+        block: String,
+        /// The round, from 1.
+        round: u32,
+        /// Share of right answers, 0–1.
+        share_correct: f64,
+        /// Whether that was enough.
+        passed: bool,
+    },
     /// A block ended.
     BlockEnded {
         /// Its name.
@@ -64,8 +90,23 @@ pub enum Event {
         /// Completed trials.
         completed: u32,
     },
+    /// The session ended before its design was complete, and cannot go on.
+    Ended {
+        /// Why.
+        reason: EndReason,
+    },
     /// The session is complete.
     Finished,
+}
+
+/// Why a session ended before its design was complete.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EndReason {
+    /// The participant did not consent.
+    Declined,
+    /// Practice was not passed, and the study ends there.
+    PracticeFailed,
 }
 
 /// One trial, as designed.
@@ -79,6 +120,9 @@ pub struct Trial {
     pub practice: bool,
     /// Its condition.
     pub condition: String,
+    /// Factor → level, where the block has factors.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub factors: BTreeMap<String, String>,
     /// What the procedure chose.
     pub level: Level,
     /// The two pictures in the order of presentation.
@@ -87,6 +131,12 @@ pub struct Trial {
     pub eccentricity_deg: Option<f64>,
     /// The omega at which it tests, where the study has one, degrees per cycle.
     pub mar_deg: Option<f64>,
+    /// Which repetition of its cell and level it is, from 1, where the design counts them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repetition: Option<u32>,
+    /// Decides the moving target's path and the spheres to count: the same in all repetitions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path_seed: Option<u64>,
 }
 
 /// An event with its number and time.

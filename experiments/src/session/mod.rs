@@ -12,13 +12,17 @@ mod tests;
 
 pub use event::{Event, Stamped, Trial};
 
-use crate::procedures::{self, Procedure};
+use crate::design::{Planned, Schedule};
+use crate::marks::{self, Mark};
 use crate::streams::Stream;
 use crate::study::Plan;
-use crate::study::plan::{BlockPlan, Condition, ProtocolPlan};
-use crate::trial::two_interval::TwoInterval;
-use crate::trial::{AbortReason, Alternative, Answer, Input, Outcome, Phase, PhaseName, Presentation, Protocol, Step};
-use rand::RngExt;
+use crate::study::plan::{BlockPlan, Condition, Level};
+use crate::trial::form::Form;
+use crate::trial::{
+    self, AbortReason, Answer, Asked, GazeRule, Input, Outcome, Phase, PhaseName, Presentation, Protocol, SceneClock,
+    Setup, Step, Stimulus,
+};
+use event::EndReason;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
@@ -33,16 +37,32 @@ pub struct Session {
     phase_began_s: f64,
     /// Index of the current block; equal to the number of blocks after the last.
     block: usize,
-    procedure: Option<Box<dyn Procedure>>,
+    schedule: Option<Schedule>,
+    round: Round,
     completed_in_block: u32,
     /// Whether a completed trial is the last thing that happened: only then may a break follow.
     break_allowed: bool,
+    /// When the block began or its last break ended, seconds.
+    rested_s: f64,
     trials: u32,
+}
+
+/// How a round of a practice block goes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Round {
+    /// From 1.
+    number: u32,
+    answered: u32,
+    right: u32,
 }
 
 /// Where in the study the session is.
 #[derive(Debug)]
 enum Place {
+    /// The consent page.
+    Consent,
+    /// The participant form.
+    Participant(Form),
     /// A page of the instructions.
     Instructions(usize),
     /// The page before a block.
@@ -53,6 +73,10 @@ enum Place {
     Save,
     /// A break.
     Break,
+    /// The page before practice is repeated.
+    Repeat,
+    /// The questionnaire after a block.
+    Questionnaire(Form),
     /// Paused; what was shown before, unless it was a trial.
     Paused(Option<Box<Place>>),
     /// The last page.
@@ -64,10 +88,13 @@ enum Place {
 #[derive(Debug)]
 struct RunningTrial {
     trial: Trial,
+    planned: Planned,
     protocol: Box<dyn Protocol>,
-    /// When the question came up and when it was answered.
+    /// When something was asked for the first time, and when the last answer came.
     asked_s: Option<f64>,
     answered_s: Option<f64>,
+    /// When the first stimulus began.
+    stimulus_s: Option<f64>,
 }
 
 const PAUSED_TEXT: &str =
@@ -75,9 +102,13 @@ const PAUSED_TEXT: &str =
 const REOPENED_TEXT: &str = "Welcome back.\n\nEverything up to the last answer is saved. Press space to go on.";
 const BREAK_TEXT: &str = "Time for a short break.\n\nPress space when you are ready to go on.";
 const THANKS_TEXT: &str = "That was the last trial. Thank you.\n\nPress space to finish.";
+const REPEAT_TEXT: &str = "That was not quite enough yet. Practice comes once more.\n\nPress space to go on.";
+const CONSENT_KEYS: &str = "1   I agree.\n2   I do not agree.";
 
 impl Session {
     /// A session at its first page, with the events of its beginning.
+    ///
+    /// `plan` is what this observer runs in this sitting: [`Plan::assigned`].
     #[must_use]
     pub fn begin(plan: Arc<Plan>, seed: u64) -> (Self, Vec<Event>) {
         let mut session = Self {
@@ -87,17 +118,19 @@ impl Session {
             phase: save_phase(),
             phase_began_s: 0.0,
             block: 0,
-            procedure: None,
+            schedule: None,
+            round: Round::default(),
             completed_in_block: 0,
             break_allowed: false,
+            rested_s: 0.0,
             trials: 0,
             plan,
         };
         let mut events = Vec::new();
-        if session.plan.texts.instructions.is_empty() {
-            session.enter_block(0.0, &mut events);
+        if session.plan.texts.consent.is_some() {
+            session.enter_page(Place::Consent, 0.0, &mut events);
         } else {
-            session.enter_page(Place::Instructions(0), 0.0, &mut events);
+            session.after_consent(0.0, &mut events);
         }
         (session, events)
     }
@@ -135,10 +168,57 @@ impl Session {
         self.plan.blocks.get(self.block)
     }
 
-    /// The condition of the current block.
+    /// The condition of the running trial, if one is running.
     #[must_use]
     pub fn condition(&self) -> Option<&Condition> {
-        self.block().map(|block| &block.condition)
+        let Place::Trial(running) = &self.place else { return None };
+        Some(&self.block()?.cells.get(running.planned.cell)?.condition)
+    }
+
+    /// The level that the current phase shows: the trial's, with the phase's own on top.
+    #[must_use]
+    pub fn shown_level(&self) -> Option<Level> {
+        let mut level = self.trial()?.level.clone();
+        if let Presentation::Stimulus(stimulus) = &self.phase.presentation {
+            level.extend(stimulus.level.clone());
+        }
+        Some(level)
+    }
+
+    /// How long the scene has been moving at `t_s`, seconds; 0 for what does not move.
+    #[must_use]
+    pub fn animation_s(&self, t_s: f64) -> f64 {
+        let Presentation::Stimulus(Stimulus { clock, .. }) = &self.phase.presentation else { return 0.0 };
+        let since_s = match (clock, &self.place) {
+            (SceneClock::Trial, Place::Trial(running)) => running.stimulus_s.unwrap_or(self.phase_began_s),
+            _ => self.phase_began_s,
+        };
+        (t_s - since_s).max(0.0)
+    }
+
+    /// What is drawn over the picture at an animation time.
+    #[must_use]
+    pub fn marks(&self, animation_s: f64) -> Vec<Mark> {
+        marks::marks(
+            &self.phase.presentation,
+            self.condition(),
+            self.trial().and_then(|trial| trial.path_seed),
+            self.plan.gaze.fixation_deg,
+            self.plan.display.half_field_deg(),
+            animation_s,
+        )
+    }
+
+    /// Where observers are to look at an animation time: the fixation mark, or the moving target.
+    #[must_use]
+    pub fn look_at_deg(&self, animation_s: f64) -> [f64; 2] {
+        let fixation_deg = self.plan.gaze.fixation_deg;
+        match (self.condition(), self.trial()) {
+            (Some(condition), Some(trial)) => {
+                marks::look_at_deg(condition.fixation, trial.path_seed, fixation_deg, animation_s)
+            }
+            _ => fixation_deg,
+        }
     }
 
     /// Completed trials of the current block.
@@ -171,11 +251,18 @@ impl Session {
             (Place::Paused(_), _) => return false,
             (Place::Trial(_), Input::Pause) => self.abort(AbortReason::Paused, PAUSED_TEXT, t_s, events),
             (Place::Trial(_), Input::Reopened) => self.abort(AbortReason::Interrupted, REOPENED_TEXT, t_s, events),
-            (Place::Trial(_), Input::GazeLeft) if self.phase.gated => {
-                let outcome = Outcome::Aborted { reason: AbortReason::GazeLeft };
-                self.end_trial(outcome, t_s, events);
+            (Place::Trial(_), Input::GazeLeft) => match self.phase.gaze {
+                GazeRule::Abort => {
+                    let outcome = Outcome::Aborted { reason: AbortReason::GazeLeft };
+                    self.end_trial(outcome, t_s, events);
+                }
+                GazeRule::Hide => self.advance_trial(&input, t_s, events),
+                GazeRule::Free | GazeRule::Hold | GazeRule::AwaitReturn => return false,
+            },
+            (Place::Trial(_), Input::GazeReturned) if self.phase.gaze == GazeRule::AwaitReturn => {
+                self.advance_trial(&input, t_s, events);
             }
-            (Place::Trial(running), Input::Answered { answer }) if self.phase.accepts.contains(&answer) => {
+            (Place::Trial(running), Input::Answered { answer }) if self.phase.takes(answer) => {
                 running.answered_s = Some(t_s);
                 self.advance_trial(&input, t_s, events);
             }
@@ -187,7 +274,7 @@ impl Session {
             (Place::Save, Input::Pause) => self.enter_paused(None, PAUSED_TEXT, t_s, events),
             (Place::Save, Input::Reopened) => self.enter_paused(None, REOPENED_TEXT, t_s, events),
             (Place::Save, _) => return false,
-            (_, Input::Answered { answer: Answer::Continue }) => self.turn_page(t_s, events),
+            (_, Input::Answered { answer }) if self.phase.takes(answer) => self.answer_page(answer, t_s, events),
             (_, Input::Pause) => self.pause_page(PAUSED_TEXT, t_s, events),
             (_, Input::Reopened) => self.pause_page(REOPENED_TEXT, t_s, events),
             (_, _) => return false,
@@ -197,31 +284,85 @@ impl Session {
 
     // --- pages -----------------------------------------------------------------------------------------------------
 
+    fn after_consent(&mut self, t_s: f64, events: &mut Vec<Event>) {
+        let items = &self.plan.participant;
+        if items.is_empty() {
+            self.after_participant(t_s, events);
+        } else {
+            self.enter_page(Place::Participant(Form::new(items)), t_s, events);
+        }
+    }
+
+    fn after_participant(&mut self, t_s: f64, events: &mut Vec<Event>) {
+        if self.plan.texts.instructions.is_empty() {
+            self.enter_block(t_s, events);
+        } else {
+            self.enter_page(Place::Instructions(0), t_s, events);
+        }
+    }
+
     fn enter_page(&mut self, place: Place, t_s: f64, events: &mut Vec<Event>) {
         let texts = &self.plan.texts;
         let otherwise = |text: &String, default: &str| if text.is_empty() { default.to_owned() } else { text.clone() };
-        let text = match &place {
-            Place::Instructions(page) => texts.instructions.get(*page).cloned().unwrap_or_default(),
-            Place::BlockPage => self.block().and_then(|block| block.instructions.clone()).unwrap_or_default(),
-            Place::Break => otherwise(&texts.pause, BREAK_TEXT),
-            _ => otherwise(&texts.thanks, THANKS_TEXT),
+        let phase = match &place {
+            Place::Consent => {
+                let text = format!("{}\n\n{CONSENT_KEYS}", texts.consent.as_deref().unwrap_or_default());
+                Phase::new(PhaseName::Consent, Presentation::Text(text), None)
+                    .asking(Asked::Consent, vec![Answer::First, Answer::Second])
+            }
+            Place::Participant(form) | Place::Questionnaire(form) => form.phase().unwrap_or_else(save_phase),
+            Place::Instructions(page) => text_page(texts.instructions.get(*page).map_or("", String::as_str)),
+            Place::BlockPage => text_page(self.block().and_then(|block| block.instructions.as_deref()).unwrap_or("")),
+            Place::Break => text_page(&otherwise(&texts.pause, BREAK_TEXT)),
+            Place::Repeat => text_page(REPEAT_TEXT),
+            _ => text_page(&otherwise(&texts.thanks, THANKS_TEXT)),
         };
         self.place = place;
-        self.present(page_phase(PhaseName::Page, &text), t_s, events);
+        self.present(phase, t_s, events);
     }
 
-    fn turn_page(&mut self, t_s: f64, events: &mut Vec<Event>) {
-        match self.place {
+    fn answer_page(&mut self, answer: Answer, t_s: f64, events: &mut Vec<Event>) {
+        match std::mem::replace(&mut self.place, Place::Save) {
+            Place::Consent if answer == Answer::First => self.after_consent(t_s, events),
+            Place::Consent => self.end_early(EndReason::Declined, events),
+            Place::Participant(mut form) => {
+                form.take(answer);
+                if form.phase().is_some() {
+                    return self.enter_page(Place::Participant(form), t_s, events);
+                }
+                let entries = form.entries().clone();
+                events.push(Event::FormFilled { form: "participant".to_owned(), entries });
+                self.after_participant(t_s, events);
+            }
             Place::Instructions(page) if page + 1 < self.plan.texts.instructions.len() => {
                 self.enter_page(Place::Instructions(page + 1), t_s, events);
             }
             Place::Instructions(_) => self.enter_block(t_s, events),
-            Place::BlockPage | Place::Break => self.start_trial(t_s, events),
+            Place::BlockPage => self.begin_trials(t_s, events),
+            Place::Break => {
+                self.rested_s = t_s;
+                self.start_trial(t_s, events);
+            }
+            Place::Repeat => self.begin_trials(t_s, events),
+            Place::Questionnaire(mut form) => {
+                form.take(answer);
+                if form.phase().is_some() {
+                    return self.enter_page(Place::Questionnaire(form), t_s, events);
+                }
+                let block = self.block().map(|block| block.name.clone()).unwrap_or_default();
+                events.push(Event::FormFilled { form: block, entries: form.entries().clone() });
+                self.leave_block(t_s, events);
+            }
             _ => {
                 self.place = Place::Finished;
                 events.push(Event::Finished);
             }
         }
+    }
+
+    fn end_early(&mut self, reason: EndReason, events: &mut Vec<Event>) {
+        self.place = Place::Finished;
+        events.push(Event::Ended { reason });
     }
 
     fn pause_page(&mut self, text: &str, t_s: f64, events: &mut Vec<Event>) {
@@ -235,7 +376,7 @@ impl Session {
             _ => before,
         };
         self.place = Place::Paused(before);
-        self.present(page_phase(PhaseName::Paused, text), t_s, events);
+        self.present(Phase { name: PhaseName::Paused, ..text_page(text) }, t_s, events);
     }
 
     fn unpause(&mut self, t_s: f64, events: &mut Vec<Event>) {
@@ -253,45 +394,51 @@ impl Session {
             self.enter_page(Place::Thanks, t_s, events);
             return;
         };
-        self.procedure = Some(procedures::start(&block.procedure, &mut self.design));
+        self.round = Round::default();
         self.completed_in_block = 0;
         events.push(Event::BlockBegan { block: block.name.clone() });
         if block.instructions.is_some() {
             self.enter_page(Place::BlockPage, t_s, events);
         } else {
-            self.start_trial(t_s, events);
+            self.begin_trials(t_s, events);
         }
+    }
+
+    /// Begins a round of the block's trials.
+    fn begin_trials(&mut self, t_s: f64, events: &mut Vec<Event>) {
+        self.schedule = self.plan.blocks.get(self.block).map(|block| Schedule::new(block, &mut self.design));
+        self.round = Round { number: self.round.number + 1, ..Round::default() };
+        self.rested_s = t_s;
+        self.start_trial(t_s, events);
     }
 
     fn start_trial(&mut self, t_s: f64, events: &mut Vec<Event>) {
         let plan = Arc::clone(&self.plan);
-        let (Some(block), Some(procedure)) = (plan.blocks.get(self.block), self.procedure.as_mut()) else {
-            return self.enter_page(Place::Thanks, t_s, events);
+        let next = self.schedule.as_mut().and_then(|schedule| schedule.next(&mut self.design, &mut self.choice));
+        let (Some(block), Some(planned)) = (plan.blocks.get(self.block), next) else {
+            return self.after_round(t_s, events);
         };
-        let level = procedure.level(&mut self.choice);
-        let test_first: bool = self.design.random();
+        let Some(cell) = block.cells.get(planned.cell) else { return self.after_round(t_s, events) };
         self.trials += 1;
-        let axes = block.procedure.axes();
+        let [eccentricity_deg, mar_deg] = cell.condition.tested_at(&planned.level);
         let trial = Trial {
             trial: self.trials,
             block: block.name.clone(),
             practice: block.practice,
-            condition: block.condition.name.clone(),
-            order: if test_first {
-                [Alternative::Test, Alternative::Reference]
-            } else {
-                [Alternative::Reference, Alternative::Test]
-            },
-            eccentricity_deg: level.get(&axes.eccentricity).copied(),
-            mar_deg: level.get(&axes.mar).copied(),
-            level,
+            condition: cell.condition.name.clone(),
+            factors: cell.factors.clone(),
+            level: planned.level.clone(),
+            order: planned.order,
+            eccentricity_deg,
+            mar_deg,
+            repetition: planned.repetition,
+            path_seed: Some(planned.path_seed),
         };
-        let protocol: Box<dyn Protocol> = match &block.protocol {
-            ProtocolPlan::TwoInterval(timing) => Box::new(TwoInterval::new(timing, test_first, block.practice)),
-        };
+        let setup = Setup { level: &planned.level, order: planned.order, path_seed: planned.path_seed };
+        let mut protocol = trial::start(block, setup);
         events.push(Event::TrialBegan(trial.clone()));
-        let mut running = RunningTrial { trial, protocol, asked_s: None, answered_s: None };
-        let step = running.protocol.next(None);
+        let step = protocol.next(None);
+        let running = RunningTrial { trial, planned, protocol, asked_s: None, answered_s: None, stimulus_s: None };
         self.place = Place::Trial(Box::new(running));
         self.take_step(step, t_s, events);
     }
@@ -306,10 +453,13 @@ impl Session {
     fn take_step(&mut self, step: Step, t_s: f64, events: &mut Vec<Event>) {
         match step {
             Step::Show(phase) => {
-                if let Place::Trial(running) = &mut self.place
-                    && phase.name == PhaseName::Ask
-                {
-                    running.asked_s = Some(t_s);
+                if let Place::Trial(running) = &mut self.place {
+                    if phase.asked.is_some() {
+                        running.asked_s.get_or_insert(t_s);
+                    }
+                    if matches!(phase.presentation, Presentation::Stimulus(_)) {
+                        running.stimulus_s.get_or_insert(t_s);
+                    }
                 }
                 self.present(phase, t_s, events);
             }
@@ -321,21 +471,23 @@ impl Session {
         let Place::Trial(running) = std::mem::replace(&mut self.place, Place::Save) else {
             return;
         };
-        let RunningTrial { trial, asked_s, answered_s, .. } = *running;
+        let RunningTrial { trial, planned, asked_s, answered_s, .. } = *running;
         let response_time_s = answered_s.zip(asked_s).map(|(answered, asked)| answered - asked);
-        events.push(Event::TrialEnded { trial: trial.trial, outcome, response_time_s });
+        events.push(Event::TrialEnded { trial: trial.trial, outcome: outcome.clone(), response_time_s });
         self.break_allowed = matches!(outcome, Outcome::Answered { .. });
-        if let Some(procedure) = self.procedure.as_mut() {
+        if let Some(schedule) = self.schedule.as_mut() {
             match outcome {
                 Outcome::Answered { correct, .. } => {
-                    procedure.update(&trial.level, correct);
+                    schedule.complete(&planned, correct);
                     self.completed_in_block += 1;
-                    let estimate = procedure.estimate();
+                    self.round.answered += u32::from(correct.is_some());
+                    self.round.right += u32::from(correct == Some(true));
+                    let estimate = schedule.estimate(planned.cell);
                     if !estimate.is_empty() {
                         events.push(Event::Estimated { trial: trial.trial, estimate });
                     }
                 }
-                Outcome::TimedOut | Outcome::Aborted { .. } => procedure.put_back(trial.level, &mut self.design),
+                Outcome::TimedOut | Outcome::Aborted { .. } => schedule.put_back(planned, &mut self.design),
             }
         }
         self.present(save_phase(), t_s, events);
@@ -346,54 +498,79 @@ impl Session {
         self.enter_paused(None, text, t_s, events);
     }
 
-    /// What comes after a trial that is on disk: the next one, a break, the next block or the last page.
+    /// What comes after a trial that is on disk: the next one, a break, or the end of the round.
     fn after_trial(&mut self, t_s: f64, events: &mut Vec<Event>) {
         let plan = Arc::clone(&self.plan);
         let Some(block) = plan.blocks.get(self.block) else {
             return self.enter_page(Place::Thanks, t_s, events);
         };
-        if self.procedure.as_ref().is_none_or(|procedure| procedure.finished()) {
-            events.push(Event::BlockEnded { block: block.name.clone(), completed: self.completed_in_block });
-            self.block += 1;
-            self.enter_block(t_s, events);
-        } else if self.break_is_due(block) {
+        if self.schedule.as_ref().is_none_or(Schedule::finished) {
+            self.after_round(t_s, events);
+        } else if self.break_is_due(block, t_s) {
             self.enter_page(Place::Break, t_s, events);
         } else {
             self.start_trial(t_s, events);
         }
     }
 
-    /// A break is due once after every n completed trials; not again when the trial after it had to be repeated.
-    fn break_is_due(&self, block: &BlockPlan) -> bool {
-        let due = |every: u32| self.completed_in_block.is_multiple_of(every.max(1));
-        self.break_allowed && block.break_every_trials.is_some_and(due)
+    /// After the last trial of a round: practice is judged, the questionnaire asked, the block left.
+    fn after_round(&mut self, t_s: f64, events: &mut Vec<Event>) {
+        let plan = Arc::clone(&self.plan);
+        let Some(block) = plan.blocks.get(self.block) else {
+            return self.enter_page(Place::Thanks, t_s, events);
+        };
+        if let Some(criterion) = block.criterion {
+            let Round { number, answered, right } = self.round;
+            let share_correct = f64::from(right) / f64::from(answered.max(1));
+            let passed = share_correct >= criterion.share_correct;
+            events.push(Event::PracticeJudged { block: block.name.clone(), round: number, share_correct, passed });
+            if !passed && number < criterion.max_rounds {
+                return self.enter_page(Place::Repeat, t_s, events);
+            }
+            if !passed && criterion.ends_session {
+                return self.end_early(EndReason::PracticeFailed, events);
+            }
+        }
+        if block.questionnaire.is_empty() {
+            self.leave_block(t_s, events);
+        } else {
+            self.enter_page(Place::Questionnaire(Form::new(&block.questionnaire)), t_s, events);
+        }
+    }
+
+    fn leave_block(&mut self, t_s: f64, events: &mut Vec<Event>) {
+        if let Some(block) = self.plan.blocks.get(self.block) {
+            events.push(Event::BlockEnded { block: block.name.clone(), completed: self.completed_in_block });
+        }
+        self.block += 1;
+        self.enter_block(t_s, events);
+    }
+
+    /// A break is due once after every n completed trials, and as soon as the time since the last one is up; not again
+    /// when the trial after it had to be repeated.
+    fn break_is_due(&self, block: &BlockPlan, t_s: f64) -> bool {
+        let by_trials = |every: u32| self.completed_in_block.is_multiple_of(every.max(1));
+        let by_time = |every_s: f64| t_s - self.rested_s >= every_s;
+        self.break_allowed
+            && (block.breaks.every_trials.is_some_and(by_trials) || block.breaks.every_s.is_some_and(by_time))
     }
 
     fn present(&mut self, phase: Phase, t_s: f64, events: &mut Vec<Event>) {
-        events.push(Event::PhaseBegan { trial: self.trial().map(|trial| trial.trial), phase: phase.name });
+        let (shown, at) = match &phase.presentation {
+            Presentation::Stimulus(stimulus) => (Some(stimulus.alternative), stimulus.level.clone()),
+            _ => (None, Level::new()),
+        };
+        events.push(Event::PhaseBegan { trial: self.trial().map(|trial| trial.trial), phase: phase.name, shown, at });
         self.phase = phase;
         self.phase_began_s = t_s;
     }
 }
 
-fn page_phase(name: PhaseName, text: &str) -> Phase {
-    Phase {
-        name,
-        presentation: Presentation::Text(text.to_owned()),
-        duration_s: None,
-        accepts: vec![Answer::Continue],
-        gated: false,
-        hold_for_gaze: false,
-    }
+fn text_page(text: &str) -> Phase {
+    let phase = Phase::new(PhaseName::Page, Presentation::Text(text.to_owned()), None);
+    Phase { accepts: vec![Answer::Continue], ..phase }
 }
 
 fn save_phase() -> Phase {
-    Phase {
-        name: PhaseName::Save,
-        presentation: Presentation::Grey,
-        duration_s: None,
-        accepts: Vec::new(),
-        gated: false,
-        hold_for_gaze: false,
-    }
+    Phase::new(PhaseName::Save, Presentation::Grey, None)
 }

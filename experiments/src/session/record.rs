@@ -2,9 +2,11 @@
 //!
 //! The record reads events only; it neither needs the plan nor runs the machine, so data outlive the study's code.
 
-use super::event::{Event, Stamped, Trial};
+use super::event::{EndReason, Event, Stamped, Trial};
 use crate::procedures::Estimate;
-use crate::trial::{Outcome, PhaseName};
+use crate::study::plan::Level;
+use crate::trial::form::Entries;
+use crate::trial::{Alternative, Outcome, PhaseName};
 use serde::Serialize;
 
 /// One trial, as it went.
@@ -24,8 +26,8 @@ pub struct TrialRecord {
     pub response_time_s: Option<f64>,
     /// What the procedure believed afterwards.
     pub estimate: Option<Estimate>,
-    /// When each phase began, seconds, in order.
-    pub phases: Vec<(PhaseName, f64)>,
+    /// Its phases, in order.
+    pub phases: Vec<PhaseRecord>,
 }
 
 impl TrialRecord {
@@ -33,10 +35,34 @@ impl TrialRecord {
     #[must_use]
     pub fn correct(&self) -> Option<bool> {
         match self.outcome {
-            Outcome::Answered { correct, .. } => Some(correct),
+            Outcome::Answered { correct, .. } => correct,
             Outcome::TimedOut | Outcome::Aborted { .. } => None,
         }
     }
+}
+
+/// One phase of a trial.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhaseRecord {
+    /// Which.
+    pub phase: PhaseName,
+    /// When it began, seconds.
+    pub began_s: f64,
+    /// Which picture was shown, if one was.
+    pub shown: Option<Alternative>,
+    /// The parameters shown instead of the trial's level.
+    pub at: Level,
+}
+
+/// A form that was filled in.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FormRecord {
+    /// `participant`, or the block whose questionnaire it is.
+    pub form: String,
+    /// When it was complete, seconds.
+    pub t_s: f64,
+    /// What was entered, by item.
+    pub entries: Entries,
 }
 
 /// A session's trials and how it stands.
@@ -46,8 +72,12 @@ pub struct Record {
     pub trials: Vec<TrialRecord>,
     /// The trial that had begun but not ended when the journal stops.
     pub open_trial: Option<Trial>,
+    /// Forms that were filled in, in order.
+    pub forms: Vec<FormRecord>,
     /// Whether the session ran to its end.
     pub finished: bool,
+    /// Why it ended before its design was complete, if it did.
+    pub ended: Option<EndReason>,
     /// Times at which the session was reopened after an end or a kill, seconds.
     pub reopened_s: Vec<f64>,
 }
@@ -56,7 +86,7 @@ pub struct Record {
 struct OpenTrial {
     trial: Trial,
     began_s: f64,
-    phases: Vec<(PhaseName, f64)>,
+    phases: Vec<PhaseRecord>,
 }
 
 impl Record {
@@ -71,9 +101,9 @@ impl Record {
                 Event::TrialBegan(trial) => {
                     open = Some(OpenTrial { trial: trial.clone(), began_s: *t_s, phases: Vec::new() });
                 }
-                Event::PhaseBegan { trial: Some(_), phase } => {
+                Event::PhaseBegan { trial: Some(_), phase, shown, at } => {
                     if let Some(open) = &mut open {
-                        open.phases.push((*phase, *t_s));
+                        open.phases.push(PhaseRecord { phase: *phase, began_s: *t_s, shown: *shown, at: at.clone() });
                     }
                 }
                 Event::TrialEnded { outcome, response_time_s, .. } => {
@@ -82,7 +112,7 @@ impl Record {
                             trial,
                             began_s,
                             ended_s: *t_s,
-                            outcome: *outcome,
+                            outcome: outcome.clone(),
                             response_time_s: *response_time_s,
                             estimate: None,
                             phases,
@@ -95,7 +125,11 @@ impl Record {
                     }
                 }
                 Event::Input { input: crate::trial::Input::Reopened, .. } => record.reopened_s.push(*t_s),
+                Event::FormFilled { form, entries } => {
+                    record.forms.push(FormRecord { form: form.clone(), t_s: *t_s, entries: entries.clone() });
+                }
                 Event::Finished => record.finished = true,
+                Event::Ended { reason } => record.ended = Some(*reason),
                 _ => {}
             }
         }

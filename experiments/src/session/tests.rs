@@ -18,23 +18,32 @@ fn plan(gate: bool) -> Arc<Plan> {
         scene_parameters: BTreeMap::new(),
         renderer: "ring".to_owned(),
         renderer_parameters: BTreeMap::new(),
+        detail: ring(),
+        fixation: Fixation::Cross,
+        foveation: FoveationCentre::Gaze,
     };
     let protocol = ProtocolPlan::TwoInterval(TwoIntervalPlan {
         fixation_s: 0.5,
         interval_s: 0.3,
         gap_s: 0.2,
         answer_timeout_s: Some(4.0),
-        feedback_s: 0.3,
         question: "Which?".to_owned(),
+        wanted: Wanted::Degraded,
     });
     let block = |name: &str, practice, levels: Vec<Level>, repetitions| BlockPlan {
         name: name.to_owned(),
         practice,
         instructions: practice.then(|| "Practice.".to_owned()),
-        condition: condition.clone(),
+        criterion: None,
+        cells: vec![Cell { factors: BTreeMap::new(), condition: condition.clone() }],
         protocol: protocol.clone(),
-        procedure: ProcedurePlan::Constant(ConstantPlan { levels, repetitions, axes: MarAxes::default() }),
-        break_every_trials: (!practice).then_some(4),
+        feedback_s: 0.3,
+        procedure: ProcedurePlan::Constant(ConstantPlan { levels, repetitions }),
+        presentation_order: PresentationOrder::Random,
+        order: OrderPlan::default(),
+        breaks: BreakPlan { every_trials: (!practice).then_some(4), every_s: None },
+        at_most_trials: None,
+        questionnaire: Vec::new(),
     };
     Arc::new(Plan {
         name: "test".to_owned(),
@@ -47,10 +56,23 @@ fn plan(gate: bool) -> Arc<Plan> {
             block("practice", true, vec![level(5.0, 1.0)], 2),
             block("main", false, vec![level(2.0, 0.1), level(5.0, 0.2), level(9.0, 0.4)], 4),
         ],
+        participant: Vec::new(),
+        groups: Vec::new(),
+        sittings: None,
+        pilot: PilotPlan::default(),
     })
 }
 
+use crate::catalogue::DetailLaw;
 use crate::display::Display;
+
+fn ring() -> DetailLaw {
+    DetailLaw::Ring {
+        eccentricity: "eccentricity_deg".to_owned(),
+        width: "width_deg".to_owned(),
+        mar: "mar_deg".to_owned(),
+    }
+}
 
 fn observer(seed: u64) -> MarObserver {
     MarObserver::new(MarModel { m: 0.022, omega0_deg: 0.021, width: 0.6, lapse: 0.02 }, seed)

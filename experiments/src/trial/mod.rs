@@ -3,9 +3,16 @@
 //! A [`Protocol`] is a pure machine with neither clock nor I/O: it is told what happened and says what to show next. A
 //! stage (a window, an offscreen target, a test) presents each [`Phase`] and reports back.
 
+pub mod feedback;
+pub mod form;
 pub mod two_interval;
 
+use crate::marks::Spheres;
+use crate::study::plan::{BlockPlan, Level, ProtocolPlan};
+use feedback::WithFeedback;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use two_interval::TwoInterval;
 
 /// How a trial asks.
 ///
@@ -15,6 +22,26 @@ use serde::{Deserialize, Serialize};
 pub trait Protocol: std::fmt::Debug {
     /// Says what to show next.
     fn next(&mut self, input: Option<&Input>) -> Step;
+}
+
+/// What a trial is started with, besides its block.
+#[derive(Debug, Clone, Copy)]
+pub struct Setup<'a> {
+    /// What the procedure chose.
+    pub level: &'a Level,
+    /// Which picture comes first; in a ramp, whether it starts at the reference quality.
+    pub order: [Alternative; 2],
+    /// Decides what a task shows; see [`crate::session::Trial::path_seed`].
+    pub path_seed: u64,
+}
+
+/// Starts a trial of a block: its protocol, with feedback in practice.
+#[must_use]
+pub fn start(block: &BlockPlan, setup: Setup<'_>) -> Box<dyn Protocol> {
+    let protocol: Box<dyn Protocol> = match &block.protocol {
+        ProtocolPlan::TwoInterval(plan) => Box::new(TwoInterval::new(plan, setup.order)),
+    };
+    if block.practice { Box::new(WithFeedback::new(protocol, block.feedback_s)) } else { protocol }
 }
 
 /// What a protocol wants now.
@@ -35,12 +62,113 @@ pub struct Phase {
     pub presentation: Presentation,
     /// How long, in seconds; without it, until an accepted input.
     pub duration_s: Option<f64>,
-    /// Answers that end the phase.
+    /// Answers that are taken; any other changes nothing. In the order in which digit keys stand for them.
     pub accepts: Vec<Answer>,
-    /// Whether leaving the fixation gate aborts the trial.
-    pub gated: bool,
-    /// Whether the phase's time runs only while gaze is inside the fixation gate.
-    pub hold_for_gaze: bool,
+    /// Characters that are taken, as [`Answer::Typed`], besides [`Answer::Erase`].
+    pub typing: Option<Typing>,
+    /// What is being asked, where something is.
+    pub asked: Option<Asked>,
+    /// What gaze may do meanwhile.
+    pub gaze: GazeRule,
+}
+
+impl Phase {
+    /// A phase that takes no answer and does not mind the gaze.
+    #[must_use]
+    pub fn new(name: PhaseName, presentation: Presentation, duration_s: Option<f64>) -> Self {
+        Self { name, presentation, duration_s, accepts: Vec::new(), typing: None, asked: None, gaze: GazeRule::Free }
+    }
+
+    /// The phase with a question and the answers that it takes.
+    #[must_use]
+    pub fn asking(self, asked: Asked, accepts: Vec<Answer>) -> Self {
+        Self { asked: Some(asked), accepts, ..self }
+    }
+
+    /// The phase with a rule for the gaze.
+    #[must_use]
+    pub fn with_gaze(self, gaze: GazeRule) -> Self {
+        Self { gaze, ..self }
+    }
+
+    /// Whether an answer is taken.
+    #[must_use]
+    pub fn takes(&self, answer: Answer) -> bool {
+        match answer {
+            Answer::Typed(character) => self.typing.is_some_and(|typing| typing.takes(character)),
+            Answer::Erase => self.typing.is_some(),
+            _ => self.accepts.contains(&answer),
+        }
+    }
+}
+
+/// What gaze may do during a phase, where the study has a fixation gate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GazeRule {
+    /// Anything.
+    Free,
+    /// The phase's time runs only while gaze is inside the gate.
+    Hold,
+    /// Leaving the gate aborts the trial.
+    Abort,
+    /// Leaving the gate is told to the protocol, which hides the stimulus ([`Input::GazeLeft`]).
+    Hide,
+    /// The stimulus is hidden; coming back is told to the protocol ([`Input::GazeReturned`]).
+    AwaitReturn,
+}
+
+/// What may be typed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Typing {
+    /// Digits, a point and a minus.
+    Number,
+    /// Anything that can be printed.
+    Text,
+}
+
+impl Typing {
+    /// Whether a character is taken.
+    #[must_use]
+    pub fn takes(self, character: char) -> bool {
+        match self {
+            Self::Number => character.is_ascii_digit() || character == '.' || character == '-',
+            Self::Text => !character.is_control(),
+        }
+    }
+}
+
+/// What a phase asks.
+///
+/// Simulated observers answer by it, and logs say it. A person reads the question's own words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Asked {
+    /// Which of two was degraded; First or Second.
+    WhichDegraded,
+    /// Which of two was the full-resolution reference; First or Second.
+    WhichReference,
+    /// Which of two was better; First, Second or Same.
+    WhichBetter,
+    /// Whether quality rose, fell or stayed; Increased, Decreased or Same.
+    Direction,
+    /// Toggle between two (Switch), and say when sure (First or Second) which was degraded.
+    ToggleDegraded,
+    /// Toggle between two (Switch), and say when sure (First or Second) which was the reference.
+    ToggleReference,
+    /// Slider: Up, Down, Compare with the reference, or Continue when both look the same.
+    Match,
+    /// Adjustment: Up and Down of one of several parameters, Select the next, Compare with the reference, or Continue.
+    Adjust,
+    /// How far a statement is agreed with; an Option.
+    Agreement,
+    /// A choice among options; an Option.
+    Choice,
+    /// A number or a text, typed and confirmed with Continue.
+    Entry,
+    /// How many there were; a number, typed and confirmed with Continue.
+    Count,
+    /// Consent: First agrees, Second does not.
+    Consent,
 }
 
 /// The name of a phase, as written to logs.
@@ -53,12 +181,34 @@ pub enum PhaseName {
     Fixate,
     /// The first interval.
     Interval1,
-    /// Grey between intervals.
+    /// Grey or black between intervals, steps or alternatives.
     Gap,
     /// The second interval.
     Interval2,
+    /// One step of a ramp.
+    Step,
+    /// A sequence that is rated afterwards.
+    Sequence,
+    /// The alternative A of a toggled comparison.
+    AlternativeA,
+    /// The alternative B of a toggled comparison.
+    AlternativeB,
+    /// The reference, to compare with.
+    Reference,
+    /// The test, to be adjusted.
+    Adjust,
+    /// A task is explained.
+    Task,
+    /// Grey with the mark after a sequence.
+    Marker,
+    /// The stimulus is hidden until gaze is back.
+    Hidden,
     /// The question.
     Ask,
+    /// An item of a form.
+    Form,
+    /// The consent page.
+    Consent,
     /// Right or wrong, in practice.
     Feedback,
     /// Grey between trials, while the last one is being saved.
@@ -77,6 +227,17 @@ impl PhaseName {
             Self::Interval1 => "interval1",
             Self::Gap => "gap",
             Self::Interval2 => "interval2",
+            Self::Step => "step",
+            Self::Sequence => "sequence",
+            Self::AlternativeA => "alternative-a",
+            Self::AlternativeB => "alternative-b",
+            Self::Reference => "reference",
+            Self::Adjust => "adjust",
+            Self::Task => "task",
+            Self::Marker => "marker",
+            Self::Hidden => "hidden",
+            Self::Form => "form",
+            Self::Consent => "consent",
             Self::Ask => "ask",
             Self::Feedback => "feedback",
             Self::Save => "save",
@@ -90,12 +251,70 @@ impl PhaseName {
 pub enum Presentation {
     /// Uniform mid grey.
     Grey,
+    /// Black.
+    Black,
     /// The fixation mark on grey.
     Fixation,
     /// The condition's scene.
-    Stimulus(Alternative),
+    Stimulus(Stimulus),
     /// Text on grey.
     Text(String),
+    /// A statement or question over a row of labelled steps, on grey.
+    Scale(Scale),
+}
+
+impl Presentation {
+    /// A stimulus at the trial's own level.
+    #[must_use]
+    pub fn stimulus(alternative: Alternative) -> Self {
+        Self::Stimulus(Stimulus::new(alternative))
+    }
+}
+
+/// A picture of the condition's scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stimulus {
+    /// Which picture.
+    pub alternative: Alternative,
+    /// What is shown instead of the trial's level, parameter by parameter: ramps, sliders and adjustments move within
+    /// a trial.
+    pub level: Level,
+    /// Which clock the scene runs on.
+    pub clock: SceneClock,
+    /// A letter at the centre in place of the fixation mark.
+    pub letter: Option<char>,
+    /// Spheres to be counted, if that is the task.
+    pub spheres: Option<Spheres>,
+}
+
+impl Stimulus {
+    /// A picture at the trial's own level, on a clock that starts with the phase.
+    #[must_use]
+    pub fn new(alternative: Alternative) -> Self {
+        Self { alternative, level: Level::new(), clock: SceneClock::Phase, letter: None, spheres: None }
+    }
+}
+
+/// Which clock a scene's animation runs on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneClock {
+    /// From the start of the phase: both intervals show the same sequence.
+    Phase,
+    /// From the trial's first stimulus: what is toggled or adjusted goes on moving.
+    Trial,
+}
+
+/// A row of steps to choose from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scale {
+    /// The statement or question.
+    pub question: String,
+    /// What stands under each step; empty texts leave it to its number.
+    pub steps: Vec<String>,
+    /// What stands at the left end.
+    pub low: String,
+    /// What stands at the right end.
+    pub high: String,
 }
 
 /// Which of the two pictures.
@@ -112,12 +331,34 @@ pub enum Alternative {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Answer {
-    /// "The first."
+    /// "The first", or "A".
     First,
-    /// "The second."
+    /// "The second", or "B".
     Second,
-    /// "Go on."
+    /// "Both the same", "equal", "no change".
+    Same,
+    /// "Quality has increased."
+    Increased,
+    /// "Quality has decreased."
+    Decreased,
+    /// "Go on", "I agree with what is there", "done".
     Continue,
+    /// One step up.
+    Up,
+    /// One step down.
+    Down,
+    /// "Show me the reference", or back from it.
+    Compare,
+    /// "Show me the other one."
+    Switch,
+    /// "The next parameter."
+    Select,
+    /// An option of a scale or a choice: the scale's own value, or the choice's number from 1.
+    Option(i32),
+    /// A typed character.
+    Typed(char),
+    /// Takes back the last typed character.
+    Erase,
 }
 
 /// What happened to a phase.
@@ -133,6 +374,8 @@ pub enum Input {
     },
     /// Gaze left the fixation gate.
     GazeLeft,
+    /// Gaze is inside the fixation gate again.
+    GazeReturned,
     /// Somebody asked for a pause.
     Pause,
     /// The pause is over.
@@ -143,16 +386,25 @@ pub enum Input {
     Reopened,
 }
 
+/// What a trial found besides its answer, by name: the slider's `<parameter>`, the adjusted parameters, the values of
+/// Likert items, the count of a task.
+pub type Found = BTreeMap<String, f64>;
+
 /// How a trial ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "outcome", rename_all = "kebab-case")]
 pub enum Outcome {
     /// With an answer.
     Answered {
         /// What was said.
         answer: Answer,
-        /// Whether it named the degraded interval.
-        correct: bool,
+        /// Whether it was right: named the picture that was asked for, named the reference as the better one, or named a
+        /// ramp's direction. Nothing where there is no right or wrong.
+        #[serde(default)]
+        correct: Option<bool>,
+        /// What else was found.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        found: Found,
     },
     /// No answer in time; the trial is queued again.
     TimedOut,

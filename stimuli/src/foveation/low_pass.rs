@@ -5,9 +5,7 @@
 use experiments::display::Display;
 use std::sync::LazyLock;
 
-/// Standard deviation over omega: a Gaussian of this width in space has the amplitude exp(−2π²σ²f²) = ½ at f = 1/omega.
-/// √(ln 2 / (2π²)).
-pub const SIGMA_PER_MAR: f64 = 0.187_390_625_129_277_6;
+pub use experiments::mar::SIGMA_PER_MAR;
 
 /// The standard deviation, in degrees, of the filter that removes detail finer than `mar_deg` degrees per cycle.
 #[must_use]

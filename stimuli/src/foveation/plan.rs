@@ -3,20 +3,7 @@
 
 use experiments::display::Display;
 
-/// The quality index law: slope m = 0.33 / j, in degrees per cycle per degree.
-///
-/// The paper's supplement is not at hand; its pairs j = 12 ↔ 0.0275 and j = 15 ↔ 0.0220 give the constant. Larger j is
-/// finer; the studies used j from 4 to 22.
-#[must_use]
-pub fn slope_from_quality_index(quality_index: f64) -> f64 {
-    0.33 / quality_index
-}
-
-/// The quality index of a slope: the inverse of [`slope_from_quality_index`].
-#[must_use]
-pub fn quality_index_from_slope(m: f64) -> f64 {
-    0.33 / m
-}
+pub use experiments::mar::{quality_index_from_slope, slope_from_quality_index};
 
 /// A display as Eqs. 2–8 see it. [`LayerGeometry::of`] takes it from a real one.
 #[derive(Debug, Clone, Copy, PartialEq)]

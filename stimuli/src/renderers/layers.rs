@@ -13,7 +13,9 @@ use crate::gpu::Gpu;
 use crate::parameters::{number, text};
 use crate::pass::{self, Extent};
 use crate::timing::GpuTimer;
-use experiments::catalogue::{ParameterError, ParameterSchema, Parameters, RendererInfo, complete_parameters};
+use experiments::catalogue::{
+    DetailLaw, ParameterError, ParameterSchema, Parameters, RendererInfo, complete_parameters,
+};
 use experiments::display::Display;
 
 pub(crate) const WGSL: &str = include_str!("layers.wgsl");
@@ -49,6 +51,7 @@ pub(crate) fn info() -> RendererInfo {
                 "Sampling factor of the middle layer: the optimum, or 2 as in Guenter's user study.",
             ),
         ],
+        detail: DetailLaw::Line { m: "m".to_owned(), omega0: "omega0_deg".to_owned(), quality_index: None },
     }
 }
 

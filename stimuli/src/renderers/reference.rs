@@ -5,7 +5,7 @@ use crate::contract::{DrawCost, FrameCost, FrameInput, MakeError, RenderError, R
 use crate::gpu::Gpu;
 use crate::pass;
 use crate::timing::GpuTimer;
-use experiments::catalogue::{ParameterError, Parameters, RendererInfo, complete_parameters};
+use experiments::catalogue::{DetailLaw, ParameterError, Parameters, RendererInfo, complete_parameters};
 use experiments::display::Display;
 
 pub(crate) fn info() -> RendererInfo {
@@ -15,6 +15,7 @@ pub(crate) fn info() -> RendererInfo {
         about: "The scene at the display's full resolution everywhere.".to_owned(),
         source: String::new(),
         parameters: Vec::new(),
+        detail: DetailLaw::Full,
     }
 }
 

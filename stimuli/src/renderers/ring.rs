@@ -32,7 +32,9 @@ use crate::pass::{self, Extent};
 use crate::renderers::low_passed::LowPassed;
 use crate::renderers::reference::ReferencePicture;
 use crate::timing::GpuTimer;
-use experiments::catalogue::{ParameterError, ParameterSchema, Parameters, RendererInfo, complete_parameters};
+use experiments::catalogue::{
+    DetailLaw, ParameterError, ParameterSchema, Parameters, RendererInfo, complete_parameters,
+};
 use experiments::display::Display;
 
 pub(crate) const WGSL: &str = include_str!("ring.wgsl");
@@ -56,6 +58,11 @@ pub(crate) fn info() -> RendererInfo {
                 "Detail limit omega: the amplitude falls to one half at 1/omega cycles per degree.",
             ),
         ],
+        detail: DetailLaw::Ring {
+            eccentricity: "eccentricity_deg".to_owned(),
+            width: "width_deg".to_owned(),
+            mar: "mar_deg".to_owned(),
+        },
     }
 }
 

@@ -6,7 +6,7 @@ mod plans;
 mod shipped;
 
 use super::{Mistakes, Plan, parse_study};
-use crate::catalogue::{Catalogue, ParameterSchema, RendererInfo, SceneInfo};
+use crate::catalogue::{Catalogue, DetailLaw, ParameterSchema, RendererInfo, SceneInfo};
 
 /// The scenes and renderers that the shipped studies name, without `stimuli`.
 fn catalogue() -> Catalogue {
@@ -23,6 +23,14 @@ fn catalogue() -> Catalogue {
         about: String::new(),
         source: String::new(),
         parameters,
+        detail: match id {
+            "ring" => DetailLaw::Ring {
+                eccentricity: "eccentricity_deg".to_owned(),
+                width: "width_deg".to_owned(),
+                mar: "mar_deg".to_owned(),
+            },
+            _ => DetailLaw::Full,
+        },
     };
     Catalogue {
         scenes: vec![

@@ -14,10 +14,10 @@ fn a_study_becomes_a_plan() {
 
     let practice = &plan.blocks[0];
     assert!(practice.practice);
-    assert_eq!(practice.condition.renderer_parameters["width_deg"], ParameterValue::Number(4.0));
-    assert_eq!(practice.condition.renderer_parameters["mar_deg"], ParameterValue::Number(0.5), "the default");
+    assert_eq!(practice.cells[0].condition.renderer_parameters["width_deg"], ParameterValue::Number(4.0));
+    assert_eq!(practice.cells[0].condition.renderer_parameters["mar_deg"], ParameterValue::Number(0.5), "the default");
     let ProtocolPlan::TwoInterval(timing) = &practice.protocol;
-    assert_eq!((timing.question.as_str(), timing.feedback_s), (DEFAULT_QUESTION, DEFAULT_FEEDBACK_S));
+    assert_eq!((timing.question.as_str(), practice.feedback_s), (DEFAULT_QUESTION, DEFAULT_FEEDBACK_S));
     // 2 eccentricities × 3 MARs × 4 repetitions.
     assert_eq!(practice.procedure.levels().len(), 6);
     assert_eq!(practice.procedure.max_trials(), 24);

@@ -3,7 +3,7 @@
 use crate::catalogue::{Catalogue, ParameterSchema, ParameterValue, Parameters, complete_parameters};
 use crate::study::draft::ConditionDraft;
 use crate::study::mistakes::{Report, suggestion};
-use crate::study::plan::Condition;
+use crate::study::plan::{Condition, Fixation, FoveationCentre};
 use crate::study::source::Field;
 use std::collections::BTreeMap;
 
@@ -35,6 +35,9 @@ pub(super) fn checked(
         scene_parameters: scene_parameters?,
         renderer: renderer?.id.clone(),
         renderer_parameters: renderer_parameters?,
+        detail: renderer?.detail.clone(),
+        fixation: Fixation::Cross,
+        foveation: FoveationCentre::Gaze,
     })
 }
 

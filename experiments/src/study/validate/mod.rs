@@ -6,6 +6,7 @@
 mod condition;
 mod display;
 mod procedure;
+mod protocol;
 mod values;
 
 pub(super) use display::described as display_from;
@@ -13,10 +14,11 @@ pub use display::finest_mar_around;
 
 use super::draft::{
     BlockDraft, ConditionDraft, FORMAT, GazeDraft, NAME_PATTERN, ProtocolDraft, StudyDraft, TextsDraft,
-    TwoIntervalDraft,
 };
 use super::mistakes::{Report, suggestion};
-use super::plan::{BlockPlan, Condition, GatePlan, GazePlan, Plan, ProtocolPlan, Texts, TwoIntervalPlan};
+use super::plan::{
+    BlockPlan, BreakPlan, Cell, Condition, GatePlan, GazePlan, OrderPlan, PilotPlan, Plan, PresentationOrder, Texts,
+};
 use super::source::Field;
 use crate::catalogue::Catalogue;
 use crate::display::Display;
@@ -67,7 +69,11 @@ pub(super) fn study(
         about: draft.about.clone().unwrap_or_default(),
         gaze: gaze?,
         texts: texts(draft.texts.as_ref()),
+        participant: Vec::new(),
         blocks: blocks?,
+        groups: Vec::new(),
+        sittings: None,
+        pilot: PilotPlan::default(),
         display: display?,
     })
 }
@@ -144,6 +150,7 @@ fn texts(draft: Option<&TextsDraft>) -> Texts {
         draft.and_then(choose).cloned().unwrap_or_else(|| default.to_owned())
     };
     Texts {
+        consent: None,
         instructions: draft.and_then(|d| d.instructions.as_ref()).into_iter().flatten().flatten().cloned().collect(),
         pause: text(|d| d.pause.as_ref(), DEFAULT_PAUSE),
         thanks: text(|d| d.thanks.as_ref(), DEFAULT_THANKS),
@@ -214,7 +221,10 @@ impl Context<'_> {
         let name = draft.name.as_deref().and_then(|name| checked_name(name, &field.key("name"), report));
         let condition =
             draft.condition.as_deref().and_then(|name| self.condition(name, &field.key("condition"), report));
-        let protocol = draft.protocol.as_ref().and_then(|p| self.protocol(p, &field.key("protocol"), report));
+        let protocol = draft.protocol.as_ref().and_then(|p| {
+            let target = condition.as_ref().and_then(|c| Some((c, self.catalogue.renderer(&c.renderer)?)));
+            protocol::checked(p, target, self.refresh_hz, &field.key("protocol"), report)
+        });
         let procedure = draft.procedure.as_ref().and_then(|draft| {
             let renderer = condition.as_ref().and_then(|c| self.catalogue.renderer(&c.renderer));
             let target = condition.as_ref().zip(renderer);
@@ -224,10 +234,16 @@ impl Context<'_> {
             name: name?,
             practice: draft.practice.unwrap_or(false),
             instructions: draft.instructions.clone(),
-            condition: condition?,
+            criterion: None,
+            cells: vec![Cell { factors: BTreeMap::new(), condition: condition? }],
             protocol: protocol?,
+            feedback_s: draft.protocol.as_ref().and_then(ProtocolDraft::feedback_s).unwrap_or(DEFAULT_FEEDBACK_S),
             procedure: procedure?,
-            break_every_trials: draft.break_every_trials,
+            presentation_order: PresentationOrder::Random,
+            order: OrderPlan::default(),
+            breaks: BreakPlan { every_trials: draft.break_every_trials, every_s: None },
+            at_most_trials: None,
+            questionnaire: Vec::new(),
         })
     }
 
@@ -241,41 +257,5 @@ impl Context<'_> {
             report.at(field, format!("expected one of the study's conditions ({expected}), found {name:?}{hint}"));
         }
         known.cloned().flatten()
-    }
-
-    fn protocol(&self, draft: &ProtocolDraft, field: &Field, report: &mut Report<'_>) -> Option<ProtocolPlan> {
-        let ProtocolDraft::TwoInterval(draft) = draft;
-        self.report_short_phases(draft, field, report);
-        Some(ProtocolPlan::TwoInterval(TwoIntervalPlan {
-            fixation_s: draft.fixation_s?,
-            interval_s: draft.interval_s?,
-            gap_s: draft.gap_s?,
-            answer_timeout_s: draft.answer_timeout_s,
-            feedback_s: draft.feedback_s.unwrap_or(DEFAULT_FEEDBACK_S),
-            question: draft.question.clone().unwrap_or_else(|| DEFAULT_QUESTION.to_owned()),
-        }))
-    }
-
-    /// What is shorter than a frame is not shown.
-    fn report_short_phases(&self, draft: &TwoIntervalDraft, field: &Field, report: &mut Report<'_>) {
-        let Some(refresh_hz) = self.refresh_hz else { return };
-        let phases = [
-            ("fixation_s", draft.fixation_s),
-            ("interval_s", draft.interval_s),
-            ("gap_s", draft.gap_s),
-            ("feedback_s", draft.feedback_s),
-        ];
-        for (name, duration_s) in phases {
-            // A duration written to four digits counts as the frame that it means.
-            if let Some(duration_s) = duration_s.filter(|duration_s| duration_s * refresh_hz < 0.99) {
-                report.at(
-                    &field.key(name),
-                    format!(
-                        "expected at least one frame ({:.4} s at {refresh_hz} Hz), found {duration_s}",
-                        1.0 / refresh_hz
-                    ),
-                );
-            }
-        }
     }
 }

@@ -99,7 +99,7 @@ fn constant(
         );
         return None;
     }
-    Some(ConstantPlan { levels: combinations(&lists), repetitions, axes })
+    Some(ConstantPlan { levels: combinations(&lists), repetitions })
 }
 
 /// Every combination of the lists' values, the last list varying fastest.

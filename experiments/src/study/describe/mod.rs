@@ -3,7 +3,10 @@
 //! [`describe`] computes, [`Description`] is the result as data (for `--json`) and as text of at most 100 columns (for
 //! a terminal). Durations assume [`ANSWER_S`] for every answer and leave out pages, breaks and aborted trials.
 
-use super::plan::{BlockPlan, Plan, ProcedurePlan, ProtocolPlan, StopRule};
+mod procedure;
+mod protocol;
+
+use super::plan::{BlockPlan, Plan};
 use super::validate::finest_mar_around;
 use crate::display::Display;
 use serde::Serialize;
@@ -159,49 +162,23 @@ fn describe_display(display: &Display) -> DisplayDescription {
 }
 
 fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
-    let ProtocolPlan::TwoInterval(timing) = &block.protocol;
-    let feedback_s = if block.practice { timing.feedback_s } else { 0.0 };
+    let feedback_s = if block.practice { block.feedback_s } else { 0.0 };
     let trial_s = block.protocol.trial_s(ANSWER_S) + feedback_s;
-    let mut protocol = format!(
-        "two intervals: fixation {} s, {} s each, gap {} s, answer ",
-        timing.fixation_s, timing.interval_s, timing.gap_s
-    );
-    protocol.push_str(&match timing.answer_timeout_s {
-        Some(timeout_s) => format!("within {timeout_s} s"),
-        None => "without limit".to_owned(),
-    });
+    let mut protocol = protocol::in_words(&block.protocol);
     if block.practice {
-        protocol.push_str(&format!(", feedback {} s", timing.feedback_s));
+        protocol.push_str(&format!(", feedback {} s", block.feedback_s));
     }
-
-    let (procedure, stop, levels_beyond_display) = match &block.procedure {
-        ProcedurePlan::Constant(constant) => {
-            let procedure = format!("constant stimuli, {} × each level", constant.repetitions);
-            (procedure, "after every level has had its repetitions".to_owned(), 0)
-        }
-        ProcedurePlan::QuestPlus(quest) => {
-            let points = quest.m.len() * quest.omega0_deg.len() * quest.width.len() * quest.lapse.len();
-            (
-                format!(
-                    "QUEST+ over the MAR model, {points} grid points, {}",
-                    if quest.balanced { "every eccentricity equally often" } else { "any eccentricity" }
-                ),
-                stop_in_words(&quest.stop),
-                quest.levels_beyond_display,
-            )
-        }
-    };
-
+    let (procedure, stop, levels_beyond_display) = procedure::in_words(&block.procedure);
     let levels = block.procedure.levels();
-    let axes = block.procedure.axes();
+    let condition = &block.cells[0].condition;
     let minutes = |trials: u32| f64::from(trials) * trial_s / 60.0;
     let (trials_min, trials_max) = (block.procedure.min_trials(), block.procedure.max_trials());
     BlockDescription {
         name: block.name.clone(),
         practice: block.practice,
-        condition: block.condition.name.clone(),
-        scene: with_parameters(&block.condition.scene, &block.condition.scene_parameters, |_| true),
-        renderer: with_parameters(&block.condition.renderer, &block.condition.renderer_parameters, |name| {
+        condition: condition.name.clone(),
+        scene: with_parameters(&condition.scene, &condition.scene_parameters, |_| true),
+        renderer: with_parameters(&condition.renderer, &condition.renderer_parameters, |name| {
             !levels.iter().any(|level| level.contains_key(name))
         }),
         protocol,
@@ -215,16 +192,17 @@ fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
         },
         levels: levels.len(),
         levels_beyond_display,
-        mar_deg: extent(levels.iter().filter_map(|level| level.get(&axes.mar).copied())),
+        mar_deg: extent(levels.iter().filter_map(|level| condition.tested_at(level)[1])),
         eccentricities: describe_eccentricities(block, plan),
         stop,
-        break_every_trials: block.break_every_trials,
+        break_every_trials: block.breaks.every_trials,
     }
 }
 
 fn describe_eccentricities(block: &BlockPlan, plan: &Plan) -> Vec<EccentricityDescription> {
-    let name = &block.procedure.axes().eccentricity;
-    let mut eccentricities: Vec<f64> = block.procedure.levels().iter().filter_map(|l| l.get(name).copied()).collect();
+    let condition = &block.cells[0].condition;
+    let levels = block.procedure.levels().iter();
+    let mut eccentricities: Vec<f64> = levels.filter_map(|level| condition.tested_at(level)[0]).collect();
     eccentricities.sort_by(f64::total_cmp);
     eccentricities
         .chunk_by(|a, b| a.total_cmp(b).is_eq())
@@ -236,23 +214,6 @@ fn describe_eccentricities(block: &BlockPlan, plan: &Plan) -> Vec<EccentricityDe
             levels,
         })
         .collect()
-}
-
-fn stop_in_words(stop: &StopRule) -> String {
-    let rules: Vec<String> = [("m", stop.m_relative_sd), ("omega0", stop.omega0_relative_sd)]
-        .into_iter()
-        .filter_map(|(name, sd)| Some(format!("{name} is known to {:.3} %", 100.0 * sd?)))
-        .map(|rule| rule.replace(".000", ""))
-        .collect();
-    match rules.is_empty() {
-        true => format!("after {} trials", stop.max_trials),
-        false => format!(
-            "after {} trials, or from {} on when {} (posterior SD / mean)",
-            stop.max_trials,
-            stop.min_trials,
-            rules.join(" and ")
-        ),
-    }
 }
 
 fn with_parameters<V: fmt::Display>(id: &str, parameters: &BTreeMap<String, V>, keep: impl Fn(&str) -> bool) -> String {

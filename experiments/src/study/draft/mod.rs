@@ -4,6 +4,12 @@
 //! read as far as it goes and all of them reported at once. `schemars(required)` marks what must be there; the doc
 //! comments become the schema's descriptions, which editors show. [`super::validate`] makes a plan of them.
 
+mod procedure;
+mod protocol;
+
+pub use procedure::*;
+pub use protocol::*;
+
 use crate::catalogue::ParameterValue;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -156,164 +162,4 @@ pub struct BlockDraft {
     /// A break after this many completed trials; no breaks when absent.
     #[schemars(range(min = 1, max = 100000))]
     pub break_every_trials: Option<u32>,
-}
-
-/// How a trial asks.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum ProtocolDraft {
-    /// Two intervals, one of them degraded; the observer says which.
-    TwoInterval(TwoIntervalDraft),
-}
-
-/// Two intervals, one of them degraded; the observer says which.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TwoIntervalDraft {
-    /// Fixation before the first interval, in seconds.
-    #[schemars(required, range(max = 600.0), extend("exclusiveMinimum" = 0))]
-    pub fixation_s: Option<f64>,
-    /// Each interval, in seconds.
-    #[schemars(required, range(max = 600.0), extend("exclusiveMinimum" = 0))]
-    pub interval_s: Option<f64>,
-    /// Grey between the intervals, in seconds.
-    #[schemars(required, range(max = 600.0), extend("exclusiveMinimum" = 0))]
-    pub gap_s: Option<f64>,
-    /// How long an answer is waited for, in seconds, before the trial is asked again later; for ever when absent.
-    #[schemars(range(max = 3600.0), extend("exclusiveMinimum" = 0))]
-    pub answer_timeout_s: Option<f64>,
-    /// How long "right" or "wrong" is shown in practice, in seconds; 0.5 when absent.
-    #[schemars(range(max = 600.0), extend("exclusiveMinimum" = 0))]
-    pub feedback_s: Option<f64>,
-    /// The question; "Which one was degraded: the first or the second?" when absent.
-    #[schemars(length(min = 1))]
-    pub question: Option<String>,
-}
-
-/// How the next level is chosen.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum ProcedureDraft {
-    /// Constant stimuli: every level, so many times, shuffled.
-    Constant(ConstantDraft),
-    /// QUEST+ over the MAR model, omega = m·e + omega0.
-    QuestPlus(Box<QuestPlusDraft>),
-}
-
-/// Constant stimuli: every level, so many times, shuffled.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ConstantDraft {
-    /// Renderer parameter → the values it takes; the levels are all combinations. Eccentricity and MAR that have no list
-    /// keep the condition's value.
-    #[schemars(required)]
-    pub levels: Option<BTreeMap<String, Option<NumberList>>>,
-    /// How often each level is shown.
-    #[schemars(required, range(min = 1, max = 100000))]
-    pub repetitions: Option<u32>,
-}
-
-/// QUEST+ over the MAR model, omega = m·e + omega0.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct QuestPlusDraft {
-    /// The eccentricities that are asked about.
-    #[schemars(required)]
-    pub eccentricity: Option<EccentricityDraft>,
-    /// The detail limits that are asked about.
-    #[schemars(required)]
-    pub mar: Option<MarDraft>,
-    /// What is held possible before the first answer.
-    pub prior: Option<PriorDraft>,
-    /// When the block ends.
-    #[schemars(required)]
-    pub stop: Option<StopDraft>,
-}
-
-/// The eccentricities that a procedure asks about.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct EccentricityDraft {
-    /// The renderer parameter that is the eccentricity; `eccentricity_deg` when absent.
-    pub parameter: Option<String>,
-    /// Eccentricities in degrees.
-    #[schemars(required, inner(range(min = 0.0, max = 90.0)), extend("x-unit" = "degrees"))]
-    pub values: Option<NumberList>,
-    /// Whether each eccentricity comes equally often, in shuffled rounds (true when absent), or whichever teaches most
-    /// about the line.
-    pub balanced: Option<bool>,
-}
-
-/// The detail limits omega that a procedure asks about, equally spaced in ln omega.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct MarDraft {
-    /// The renderer parameter that is omega; `mar_deg` when absent.
-    pub parameter: Option<String>,
-    /// The finest, in degrees per cycle.
-    #[schemars(required, extend("exclusiveMinimum" = 0, "x-unit" = "degrees per cycle"))]
-    pub min: Option<f64>,
-    /// The coarsest, in degrees per cycle.
-    #[schemars(required, extend("exclusiveMinimum" = 0, "x-unit" = "degrees per cycle"))]
-    pub max: Option<f64>,
-    /// How many, both ends included.
-    #[schemars(required, range(min = 2, max = 1000))]
-    pub steps: Option<u32>,
-}
-
-/// What is held possible before the first answer: a grid, every point of it equally likely.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct PriorDraft {
-    /// The MAR slope m; 20 values from 0.005 to 0.08 when absent.
-    pub m: Option<AxisDraft>,
-    /// The MAR at the fovea in degrees per cycle; 20 values from 0.005 to 0.1 when absent.
-    pub omega0_deg: Option<AxisDraft>,
-    /// The width of the psychometric function in ln omega, from 5 % to 95 %; 7 values from 0.2 to 3 when absent.
-    pub width: Option<AxisDraft>,
-    /// The lapse rate; 0, 0.02 and 0.05 when absent.
-    pub lapse: Option<AxisDraft>,
-}
-
-/// Values of one model parameter: a list, or a range with equal ratios.
-#[derive(Debug, Clone, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum AxisDraft {
-    /// The values.
-    List(NumberList),
-    /// A range with equal ratios between neighbours.
-    Range(RangeDraft),
-}
-
-/// A range with equal ratios between neighbours.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RangeDraft {
-    /// The smallest value.
-    #[schemars(required, extend("exclusiveMinimum" = 0))]
-    pub min: Option<f64>,
-    /// The largest value.
-    #[schemars(required, extend("exclusiveMinimum" = 0))]
-    pub max: Option<f64>,
-    /// How many, both ends included.
-    #[schemars(required, range(min = 2, max = 1000))]
-    pub steps: Option<u32>,
-}
-
-/// When an adaptive block ends: at `max_trials`, or from `min_trials` on as soon as every rule that is given holds.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct StopDraft {
-    /// The block never has more completed trials.
-    #[schemars(required, range(min = 1, max = 100000))]
-    pub max_trials: Option<u32>,
-    /// The rules are not asked before; a quarter of `max_trials` when absent.
-    #[schemars(range(min = 1, max = 100000))]
-    pub min_trials: Option<u32>,
-    /// Posterior SD of m divided by its mean, at most.
-    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0))]
-    pub m_relative_sd: Option<f64>,
-    /// Posterior SD of omega0 divided by its mean, at most.
-    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0))]
-    pub omega0_relative_sd: Option<f64>,
 }
