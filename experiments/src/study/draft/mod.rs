@@ -4,9 +4,11 @@
 //! read as far as it goes and all of them reported at once. `schemars(required)` marks what must be there; the doc
 //! comments become the schema's descriptions, which editors show. [`super::validate`] makes a plan of them.
 
+mod design;
 mod procedure;
 mod protocol;
 
+pub use design::*;
 pub use procedure::*;
 pub use protocol::*;
 
@@ -23,6 +25,9 @@ pub const NAME_PATTERN: &str = "^[a-z0-9]+(-[a-z0-9]+)*$";
 
 /// Numbers; one that could not be read is `None`, so that the others keep their places.
 pub type NumberList = Vec<Option<f64>>;
+
+/// Parameters by name; one that could not be read is `None`.
+pub type OptionalParameters = BTreeMap<String, Option<ParameterValue>>;
 
 /// A study: what is shown to an observer, how they are asked, and how the next question is chosen.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
@@ -55,6 +60,12 @@ pub struct StudyDraft {
     /// The blocks, in the order in which they run.
     #[schemars(required)]
     pub blocks: Option<Vec<Option<BlockDraft>>>,
+    /// The groups of a between-subject design; when absent, every observer runs every block.
+    pub groups: Option<Vec<Option<GroupDraft>>>,
+    /// How the study is split into sittings; one when absent.
+    pub sittings: Option<SittingsDraft>,
+    /// How a pilot run is shortened.
+    pub pilot: Option<PilotDraft>,
 }
 
 /// A display: the name of one that ships, or its geometry.
@@ -115,6 +126,9 @@ pub struct GazeDraft {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TextsDraft {
+    /// What the participant agrees to before anything else. Who does not agree is asked nothing.
+    #[schemars(length(min = 1))]
+    pub consent: Option<String>,
     /// Pages before the first block, in order.
     pub instructions: Option<Vec<Option<String>>>,
     /// Shown at every break; a plain sentence when absent.
@@ -131,15 +145,20 @@ pub struct ConditionDraft {
     #[schemars(required)]
     pub scene: Option<String>,
     /// The scene's parameters by name; those that are absent keep their defaults.
-    pub scene_parameters: Option<BTreeMap<String, Option<ParameterValue>>>,
+    pub scene_parameters: Option<OptionalParameters>,
     /// The id of the renderer under test; it is always compared with the full-resolution reference.
     #[schemars(required)]
     pub renderer: Option<String>,
     /// The renderer's parameters by name; those that are absent keep their defaults, and a level overrides some.
-    pub renderer_parameters: Option<BTreeMap<String, Option<ParameterValue>>>,
+    pub renderer_parameters: Option<OptionalParameters>,
+    /// How observers look while stimuli are shown; at the fixation mark when absent.
+    pub fixation: Option<FixationDraft>,
+    /// What the renderer takes for the gaze: "gaze" (when absent) or "target", the fixation mark or moving target wherever
+    /// the gaze is.
+    pub foveate: Option<String>,
 }
 
-/// Trials that share a condition, a protocol and a procedure.
+/// Trials that share a design, a protocol and a procedure.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BlockDraft {
@@ -150,16 +169,30 @@ pub struct BlockDraft {
     pub practice: Option<bool>,
     /// A page before the block.
     pub instructions: Option<String>,
-    /// The name of one of the study's conditions.
+    /// When practice has been passed; after one round when absent.
+    pub criterion: Option<CriterionDraft>,
+    /// The name of one of the study's conditions; factors vary it.
     #[schemars(required)]
     pub condition: Option<String>,
+    /// What is crossed: the block's cells are all combinations of the factors' levels.
+    pub factors: Option<Vec<Option<FactorDraft>>>,
+    /// Says that cells are not meant to be equally many for each level of a factor; false when absent.
+    pub unbalanced: Option<bool>,
     /// How a trial asks.
     #[schemars(required)]
     pub protocol: Option<ProtocolDraft>,
     /// How the next level is chosen.
     #[schemars(required)]
     pub procedure: Option<ProcedureDraft>,
+    /// Which of reference and test comes first: "random" (when absent), "both" (every trial comes in both orders),
+    /// "reference-first" or "test-first".
+    pub presentation: Option<String>,
+    /// In which order the trials come; shuffled when absent.
+    pub order: Option<OrderDraft>,
     /// A break after this many completed trials; no breaks when absent.
     #[schemars(range(min = 1, max = 100000))]
     pub break_every_trials: Option<u32>,
+    /// A break after this many minutes since the block began or the last break ended; no breaks when absent.
+    #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0))]
+    pub break_every_minutes: Option<f64>,
 }

@@ -10,6 +10,14 @@ pub enum ProtocolPlan {
 }
 
 impl ProtocolPlan {
+    /// Whether answers are right or wrong, so that shares can be counted and adaptive procedures learn.
+    #[must_use]
+    pub fn has_right_answers(&self) -> bool {
+        match self {
+            Self::TwoInterval(_) => true,
+        }
+    }
+
     /// How long stimuli are shown, to be shortened in a pilot run.
     pub(crate) fn stimulus_durations_mut(&mut self) -> Vec<&mut f64> {
         match self {

@@ -1,5 +1,6 @@
 //! Tests of the whole way from text to plan, against a catalogue made by hand.
 
+mod designs;
 mod hostile;
 mod kinds;
 mod plans;

@@ -4,10 +4,12 @@
 //! before the answer is given. `condition`, `display`, `procedure` and `values` are one subject each.
 
 mod condition;
+mod design;
 mod display;
 mod procedure;
 mod protocol;
 mod values;
+mod words;
 
 pub(super) use display::described as display_from;
 pub use display::finest_mar_around;
@@ -16,12 +18,11 @@ use super::draft::{
     BlockDraft, ConditionDraft, FORMAT, GazeDraft, NAME_PATTERN, ProtocolDraft, StudyDraft, TextsDraft,
 };
 use super::mistakes::{Report, suggestion};
-use super::plan::{
-    BlockPlan, BreakPlan, Cell, Condition, GatePlan, GazePlan, OrderPlan, PilotPlan, Plan, PresentationOrder, Texts,
-};
+use super::plan::{BlockPlan, BreakPlan, Cell, Condition, GatePlan, GazePlan, Plan, ProtocolPlan, Texts};
 use super::source::Field;
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, RendererInfo};
 use crate::display::Display;
+use condition::{Parts, World};
 use display::Geometry;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -53,15 +54,18 @@ pub(super) fn study(
     let gaze = gaze(draft.gaze.as_ref(), fixation_deg, &root.key("gaze"), report);
     let geometry = display.as_ref().zip(fixation_deg).map(|(display, fixation_deg)| Geometry { display, fixation_deg });
 
-    let conditions = draft.conditions.as_ref().map(|drafts| conditions(drafts, catalogue, report));
+    let world = World { catalogue, display: display.as_ref(), fixation_deg };
+    let conditions = draft.conditions.as_ref().map(|drafts| conditions(drafts, world, report));
     let context = Context {
-        catalogue,
+        world,
         conditions: conditions.as_ref(),
         refresh_hz: display.as_ref().map(Display::refresh_hz),
         geometry,
     };
     let blocks = draft.blocks.as_ref().and_then(|blocks| context.blocks(blocks, &root.key("blocks"), report));
     report_unused_conditions(draft, report);
+    let groups = design::groups(draft.groups.as_ref(), blocks.as_deref(), &root.key("groups"), report);
+    let sittings = design::sittings(draft.sittings.as_ref(), blocks.as_deref(), &root.key("sittings"), report);
 
     Some(Plan {
         name: name?,
@@ -71,18 +75,19 @@ pub(super) fn study(
         texts: texts(draft.texts.as_ref()),
         participant: Vec::new(),
         blocks: blocks?,
-        groups: Vec::new(),
-        sittings: None,
-        pilot: PilotPlan::default(),
+        groups: groups?,
+        sittings: sittings?,
+        pilot: design::pilot(draft.pilot.as_ref()),
         display: display?,
     })
 }
 
 /// What the blocks of a study are checked against.
 struct Context<'a> {
-    catalogue: &'a Catalogue,
-    /// Every condition that is named, with its checked form if it has one; nothing if they could not be read.
-    conditions: Option<&'a BTreeMap<String, Option<Condition>>>,
+    world: World<'a>,
+    /// Every condition that is named, with its parts and its checked form if it has one; nothing if they could not be
+    /// read.
+    conditions: Option<&'a BTreeMap<String, Named>>,
     refresh_hz: Option<f64>,
     geometry: Option<Geometry<'a>>,
 }
@@ -150,25 +155,32 @@ fn texts(draft: Option<&TextsDraft>) -> Texts {
         draft.and_then(choose).cloned().unwrap_or_else(|| default.to_owned())
     };
     Texts {
-        consent: None,
+        consent: draft.and_then(|d| d.consent.clone()),
         instructions: draft.and_then(|d| d.instructions.as_ref()).into_iter().flatten().flatten().cloned().collect(),
         pause: text(|d| d.pause.as_ref(), DEFAULT_PAUSE),
         thanks: text(|d| d.thanks.as_ref(), DEFAULT_THANKS),
     }
 }
 
+/// A condition of the study, for blocks that name it.
+struct Named {
+    parts: Option<Parts>,
+    checked: Option<Condition>,
+}
+
 fn conditions(
     drafts: &BTreeMap<String, Option<ConditionDraft>>,
-    catalogue: &Catalogue,
+    world: World<'_>,
     report: &mut Report<'_>,
-) -> BTreeMap<String, Option<Condition>> {
+) -> BTreeMap<String, Named> {
     let field = Field::root().key("conditions");
     let mut conditions = BTreeMap::new();
     for (name, condition) in drafts {
         let field = field.key(name);
         let named = checked_name(name, &field, report);
-        let checked = condition.as_ref().and_then(|c| condition::checked(name, c, catalogue, &field, report));
-        conditions.insert(name.clone(), checked.filter(|_| named.is_some()));
+        let parts = condition.as_ref().map(|draft| Parts::of(draft, &field));
+        let checked = parts.as_ref().and_then(|parts| condition::checked(name, parts, world, report));
+        conditions.insert(name.clone(), Named { parts, checked: checked.filter(|_| named.is_some()) });
     }
     conditions
 }
@@ -219,43 +231,88 @@ impl Context<'_> {
 
     fn block(&self, draft: &BlockDraft, field: &Field, report: &mut Report<'_>) -> Option<BlockPlan> {
         let name = draft.name.as_deref().and_then(|name| checked_name(name, &field.key("name"), report));
-        let condition =
-            draft.condition.as_deref().and_then(|name| self.condition(name, &field.key("condition"), report));
+        let named = draft.condition.as_deref().and_then(|name| self.condition(name, &field.key("condition"), report));
+        // Without factors there is one cell, and its condition has been checked already.
+        let cells = match (named, &draft.factors) {
+            (Some((_, Named { checked: Some(condition), .. })), None) => {
+                Some(vec![Cell { factors: BTreeMap::new(), condition: condition.clone() }])
+            }
+            (Some((name, Named { parts: Some(parts), .. })), Some(_)) => {
+                design::cells(draft, parts, name, self.world, field, report)
+            }
+            _ => None,
+        };
         let protocol = draft.protocol.as_ref().and_then(|p| {
-            let target = condition.as_ref().and_then(|c| Some((c, self.catalogue.renderer(&c.renderer)?)));
-            protocol::checked(p, target, self.refresh_hz, &field.key("protocol"), report)
+            protocol::checked(p, self.target(cells.as_deref()), self.refresh_hz, &field.key("protocol"), report)
         });
         let procedure = draft.procedure.as_ref().and_then(|draft| {
-            let renderer = condition.as_ref().and_then(|c| self.catalogue.renderer(&c.renderer));
-            let target = condition.as_ref().zip(renderer);
+            let target = self.target(cells.as_deref());
             procedure::checked(draft, target, self.geometry, &field.key("procedure"), report)
         });
-        Some(BlockPlan {
+        let order = design::order(draft.order.as_ref(), cells.as_deref(), &field.key("order"), report);
+        let presentation_order = design::presentation_order(draft, field, report);
+        let practice = draft.practice.unwrap_or(false);
+        let criterion = draft.criterion.as_ref().map(|criterion| {
+            let has_right_answers = protocol.as_ref().is_none_or(ProtocolPlan::has_right_answers);
+            design::criterion(criterion, practice, has_right_answers, &field.key("criterion"), report)
+        });
+        let block = BlockPlan {
             name: name?,
-            practice: draft.practice.unwrap_or(false),
+            practice,
+            criterion: criterion.map_or(Some(None), |criterion| criterion.map(Some))?,
             instructions: draft.instructions.clone(),
-            criterion: None,
-            cells: vec![Cell { factors: BTreeMap::new(), condition: condition? }],
+            cells: cells?,
             protocol: protocol?,
             feedback_s: draft.protocol.as_ref().and_then(ProtocolDraft::feedback_s).unwrap_or(DEFAULT_FEEDBACK_S),
             procedure: procedure?,
-            presentation_order: PresentationOrder::Random,
-            order: OrderPlan::default(),
-            breaks: BreakPlan { every_trials: draft.break_every_trials, every_s: None },
+            presentation_order: presentation_order?,
+            order: order?,
+            breaks: BreakPlan {
+                every_trials: draft.break_every_trials,
+                every_s: draft.break_every_minutes.map(|minutes| 60.0 * minutes),
+            },
             at_most_trials: None,
             questionnaire: Vec::new(),
-        })
+        };
+        design::report_impossible_order(&block, field, report);
+        Some(block)
     }
 
-    fn condition(&self, name: &str, field: &Field, report: &mut Report<'_>) -> Option<Condition> {
+    /// What a block's protocol and procedure are set on: its first cell stands for all, which share a renderer.
+    fn target<'c>(&self, cells: Option<&'c [Cell]>) -> Option<(&'c Condition, &RendererInfo)> {
+        let condition = &cells?.first()?.condition;
+        Some((condition, self.world.catalogue.renderer(&condition.renderer)?))
+    }
+
+    fn condition(&self, name: &str, field: &Field, report: &mut Report<'_>) -> Option<(&str, &Named)> {
         let conditions = self.conditions?;
-        let known = conditions.get(name);
+        let known = conditions.get_key_value(name);
         if known.is_none() {
             let names: Vec<&str> = conditions.keys().map(String::as_str).collect();
             let hint = suggestion(name, names.iter().copied());
             let expected = names.join(", ");
             report.at(field, format!("expected one of the study's conditions ({expected}), found {name:?}{hint}"));
         }
-        known.cloned().flatten()
+        known.map(|(name, named)| (name.as_str(), named))
     }
+}
+
+/// The names of a list's entries, each checked and reported where it comes again.
+fn listed_names<'n>(
+    names: impl Iterator<Item = Option<&'n str>>,
+    field: &Field,
+    report: &mut Report<'_>,
+) -> Vec<String> {
+    let mut listed: Vec<String> = Vec::new();
+    for (index, name) in names.enumerate() {
+        let Some(name) = name else { continue };
+        let field = field.item(index).key("name");
+        if listed.iter().any(|known| known == name) {
+            report.at(&field, format!("expected a name of its own, found {name:?} again"));
+        } else {
+            checked_name(name, &field, report);
+            listed.push(name.to_owned());
+        }
+    }
+    listed
 }
