@@ -1,6 +1,6 @@
 //! Constant stimuli: cells × levels × repetitions × orders, arranged once; what was interrupted comes again later.
 
-use super::order::{Factors, arrange, group_key, may_follow};
+use super::order::{Factors, arrange, group_key, may_follow, rearrange};
 use super::{Planned, REFERENCE_FIRST, TEST_FIRST, path_seed};
 use crate::study::plan::{BlockPlan, OrderPlan, PresentationOrder, ProcedurePlan};
 use rand::RngExt;
@@ -88,11 +88,19 @@ impl Listed {
             may(before, Some(planned.cell)) && may(Some(planned.cell), after)
         };
         let fitting: Vec<usize> = (0..=places).filter(|&place| fits(place)).collect();
-        let place = match fitting.len() {
-            0 => rng.random_range(0..=places),
-            n => fitting[rng.random_range(0..n)],
-        };
-        self.left.insert(place, planned);
+        if !fitting.is_empty() {
+            let place = fitting[rng.random_range(0..fitting.len())];
+            return self.left.insert(place, planned);
+        }
+        // No gap is left for it: what is left of the group comes in another order.
+        let mut group: Vec<Planned> = self.left.drain(..places).collect();
+        group.push(planned);
+        let factors: Vec<Factors<'_>> = group.iter().map(|trial| &self.factors[trial.cell]).collect();
+        let before = self.last.map(|cell| &self.factors[cell]);
+        let order = rearrange(&factors, before, &self.order, rng);
+        for &index in order.iter().rev() {
+            self.left.push_front(group[index].clone());
+        }
     }
 
     pub(super) fn finished(&self) -> bool {

@@ -9,6 +9,8 @@ pub mod assignment;
 pub mod latin_square;
 mod listed;
 pub mod order;
+#[cfg(test)]
+mod tests;
 
 use crate::procedures::Estimate;
 use crate::study::plan::{BlockPlan, Level};

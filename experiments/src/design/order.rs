@@ -135,6 +135,18 @@ fn greedy(
     (order, repeats)
 }
 
+/// An order of `trials` for after `before`, repeating as little as can be.
+pub(crate) fn rearrange(
+    trials: &[Factors<'_>],
+    before: Option<Factors<'_>>,
+    plan: &OrderPlan,
+    rng: &mut ChaCha8Rng,
+) -> Vec<usize> {
+    let with_last: Vec<Factors<'_>> = trials.iter().copied().chain(before).collect();
+    let last = before.map(|_| trials.len());
+    without_repeats(&with_last, (0..trials.len()).collect(), last, plan, rng).0
+}
+
 /// Whether two trials may follow one another.
 pub(crate) fn may_follow(a: Factors<'_>, b: Factors<'_>, plan: &OrderPlan) -> bool {
     plan.no_repeat.iter().all(|factor| a.get(factor) != b.get(factor))

@@ -60,7 +60,7 @@ fn catalogue() -> Catalogue {
 }
 
 /// A small study without a mistake; the line numbers of the tests count in it.
-const STUDY: &str = r#"{
+pub(crate) const STUDY: &str = r#"{
   "format": 1,
   "name": "small",
   "title": "A small study",
@@ -126,7 +126,7 @@ fn edited(edits: &[(&str, &str)]) -> String {
     })
 }
 
-fn parse(text: &str) -> Result<Plan, Mistakes> {
+pub(crate) fn parse(text: &str) -> Result<Plan, Mistakes> {
     parse_study("study.json", text, &catalogue(), None)
 }
 
