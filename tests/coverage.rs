@@ -47,6 +47,7 @@ fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
             text: text.to_owned(),
         },
         display: DisplayRecord::from(&plan.display),
+        assignment: Default::default(),
         seed,
         generator: String::new(),
         gaze_source: serde_json::Value::Null,

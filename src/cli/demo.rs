@@ -9,6 +9,7 @@ use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
 use crate::stage::launch::{OffscreenGaze, Request, StudyFile};
 use clap::Args;
+use experiments::design::assignment::Assignment;
 use experiments::observers::MarObserver;
 use experiments::trial::{Alternative, PhaseName, Presentation};
 use std::fmt::Write as _;
@@ -36,11 +37,13 @@ pub(super) struct DemoArgs {
 pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     let truth = MarObserver::parse_model(TRUTH).map_err(|error| LabError::Failed(error.to_string()))?;
     let study = inputs::study_file(STUDY)?;
-    let plan = Arc::new(inputs::plan(&study, None)?);
+    let assignment = Assignment::default();
+    let plan = inputs::plan(&study, None)?.assigned(&assignment);
+    let plan = Arc::new(plan.map_err(|error| LabError::BadInput(error.to_string()))?);
 
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
-    let request =
-        Request { plan, study, observer: "SIM".to_owned(), data: args.data.clone(), seed: args.seed, earlier: None };
+    let (observer, data) = ("SIM".to_owned(), args.data.clone());
+    let request = Request { plan, assignment, study, observer, data, seed: args.seed, earlier: None };
     let folder = run::offscreen_with_progress(request, truth, &OffscreenGaze::Simulated, !args.no_render)?;
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();

@@ -89,6 +89,8 @@ fn replay(args: &ReplayArgs) -> Result<Outcome, LabError> {
     session.notices().iter().for_each(|notice| say(notice));
     let file = format!("{} (study)", args.session.join("session.json").display());
     let plan = study::parse_study(&file, &session.header.study.text, &inputs::catalogue(), Some(&session.display))?;
+    let plan =
+        plan.assigned(&session.header.assignment).map_err(|error| LabError::BadInput(format!("{file}: {error}")))?;
     let replay = Replay::open(&session, plan)?;
     replay.notices.iter().for_each(|notice| say(notice));
     let wanted = |frame: &&FrameRow| {

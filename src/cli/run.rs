@@ -2,10 +2,14 @@
 
 use super::{inputs, print, progress, say};
 use crate::error::LabError;
-use crate::stage::launch::{OffscreenGaze, Request, run_in_window, run_offscreen, unfinished_session};
+use crate::stage::launch::{
+    OffscreenGaze, Request, assignments, run_in_window, run_offscreen, sessions_of, take_unfinished,
+};
 use clap::Args;
+use experiments::design::assignment::{Assignment, Earlier, next_assignment};
 use experiments::mar::MarModel;
 use experiments::observers::MarObserver;
+use experiments::study::Plan;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -46,6 +50,15 @@ pub(super) struct RunArgs {
     /// Start anew although an unfinished session exists.
     #[arg(long)]
     fresh: bool,
+    /// The group of a between-subject design; the one with the fewest observers in --data if not given.
+    #[arg(long, value_name = "NAME", conflicts_with = "resume")]
+    group: Option<String>,
+    /// Which sitting of a study that has several, from 1; the next one if not given.
+    #[arg(long, value_name = "N", conflicts_with = "resume")]
+    sitting: Option<u32>,
+    /// A pilot run: shortened as the study says, and marked as pilot in the data.
+    #[arg(long)]
+    pilot: bool,
 }
 
 fn observer_code(text: &str) -> Result<String, String> {
@@ -60,10 +73,12 @@ fn observer_code(text: &str) -> Result<String, String> {
 pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     let display = inputs::display(args.display.as_deref())?;
     let study = inputs::study_file(&args.study)?;
-    let plan = Arc::new(inputs::plan(&study, display.as_ref())?);
+    let whole = inputs::plan(&study, display.as_ref())?;
     let gaze = offscreen_gaze(args)?;
 
-    let unfinished = unfinished_session(&args.data, &study, &args.observer);
+    let mut sessions = sessions_of(&args.data, &whole.name);
+    let before = assignments(&sessions);
+    let unfinished = take_unfinished(&mut sessions, &study, &args.observer, args.pilot);
     let earlier = match (unfinished, args.resume, args.fresh) {
         (Some(session), false, false) => {
             return Err(LabError::BadInput(format!(
@@ -92,7 +107,21 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     if let Some(session) = &earlier {
         session.notices().iter().for_each(|notice| say(notice));
     }
-    let request = Request { plan, study, observer: args.observer.clone(), data: args.data.clone(), seed, earlier };
+    let assignment = match &earlier {
+        Some(session) => session.header.assignment.clone(),
+        None => assigned(args, &whole, &before),
+    };
+    let plan = whole.assigned(&assignment).map_err(|error| LabError::BadInput(error.to_string()))?;
+    announce(&whole, &assignment);
+    let request = Request {
+        plan: Arc::new(plan),
+        assignment,
+        study,
+        observer: args.observer.clone(),
+        data: args.data.clone(),
+        seed,
+        earlier,
+    };
     let folder = match &args.simulate {
         Some(truth) => {
             let model =
@@ -108,6 +137,29 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
         }
     };
     print(&folder.display().to_string())
+}
+
+/// What a new session runs of its study: what is next for the observer, unless the command line says otherwise.
+fn assigned(args: &RunArgs, whole: &Plan, before: &[Earlier]) -> Assignment {
+    let next = next_assignment(whole, &args.observer, before, args.pilot);
+    Assignment { group: args.group.clone().or(next.group), sitting: args.sitting.unwrap_or(next.sitting), ..next }
+}
+
+/// Says which part of a study is run, where it has parts.
+fn announce(whole: &Plan, assignment: &Assignment) {
+    let mut parts = Vec::new();
+    if let Some(group) = &assignment.group {
+        parts.push(format!("group {group}"));
+    }
+    if let Some(sittings) = &whole.sittings {
+        parts.push(format!("sitting {} of {}", assignment.sitting, sittings.count));
+    }
+    if assignment.pilot {
+        parts.push("pilot run, shortened and marked as pilot".to_owned());
+    }
+    if !parts.is_empty() {
+        say(&parts.join(", "));
+    }
 }
 
 /// Runs a session offscreen behind a progress bar; used by `demo` as well.

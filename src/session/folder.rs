@@ -135,7 +135,7 @@ impl SessionFolder {
                 self.journal.events.len()
             ));
         }
-        if !self.record.finished {
+        if !self.record.is_over() {
             let open = self
                 .record
                 .open_trial

@@ -4,6 +4,7 @@
 //! file.
 
 use experiments::Display;
+use experiments::design::assignment::Assignment;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -24,6 +25,9 @@ pub struct Header {
     pub study: StudyText,
     /// The display, with its geometry.
     pub display: DisplayRecord,
+    /// What part of the study this session runs: group, sitting, row of Latin squares, pilot or not.
+    #[serde(default)]
+    pub assignment: Assignment,
     /// Seed of every random stream.
     pub seed: u64,
     /// The generator behind the streams.

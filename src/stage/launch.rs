@@ -9,6 +9,7 @@ use crate::gaze::{GazeSource, Mouse, Recorded, Simulated, SimulatedEye};
 use crate::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
 use crate::session::{SessionFolder, SessionWriter};
 use experiments::Session;
+use experiments::design::assignment::{Assignment, Earlier};
 use experiments::observers::{MarObserver, Observer, Presented};
 use experiments::session::refold::refold;
 use experiments::streams::{self, Stream};
@@ -29,8 +30,10 @@ pub struct StudyFile {
 /// What a run needs, wherever it takes place.
 #[derive(Debug)]
 pub struct Request {
-    /// The study, checked.
+    /// What this session runs of the study: the checked plan with the assignment put in.
     pub plan: Arc<Plan>,
+    /// The assignment.
+    pub assignment: Assignment,
     /// Its text, for the header.
     pub study: StudyFile,
     /// The observer's code.
@@ -205,6 +208,7 @@ fn begin(
             text: request.study.text.clone(),
         },
         display: DisplayRecord::from(&plan.display),
+        assignment: request.assignment.clone(),
         seed: request.seed,
         generator: streams::GENERATOR.to_owned(),
         gaze_source,
@@ -256,17 +260,43 @@ fn go_on(
     Ok((Runner::reopen(refolded.session, refolded.missing, writer, tail, start_s)?, start_s))
 }
 
-/// The newest unfinished session of this study and observer, if there is one that can be read.
+/// Every readable session of a study in a folder, whoever ran it, oldest first.
 #[must_use]
-pub fn unfinished_session(data: &Path, study: &StudyFile, observer: &str) -> Option<SessionFolder> {
-    let sha256 = sha256_hex(study.text.as_bytes());
-    let mut sessions: Vec<SessionFolder> = std::fs::read_dir(data)
-        .ok()?
+pub fn sessions_of(data: &Path, study: &str) -> Vec<SessionFolder> {
+    let entries = std::fs::read_dir(data).into_iter().flatten();
+    let mut sessions: Vec<SessionFolder> = entries
         .filter_map(|entry| SessionFolder::open(&entry.ok()?.path()).ok())
-        .filter(|session| {
-            session.header.observer == observer && session.header.study.sha256 == sha256 && !session.record.finished
-        })
+        .filter(|session| session.header.study.name == study)
         .collect();
     sessions.sort_by(|a, b| a.header.started.cmp(&b.header.started));
-    sessions.pop()
+    sessions
+}
+
+/// What sessions say about who was given what.
+#[must_use]
+pub fn assignments(sessions: &[SessionFolder]) -> Vec<Earlier> {
+    let earlier = |session: &SessionFolder| Earlier {
+        observer: session.header.observer.clone(),
+        assignment: session.header.assignment.clone(),
+        finished: session.record.finished,
+    };
+    sessions.iter().map(earlier).collect()
+}
+
+/// Takes the newest unfinished session of this very study and observer out of `sessions`.
+#[must_use]
+pub fn take_unfinished(
+    sessions: &mut Vec<SessionFolder>,
+    study: &StudyFile,
+    observer: &str,
+    pilot: bool,
+) -> Option<SessionFolder> {
+    let sha256 = sha256_hex(study.text.as_bytes());
+    let at = sessions.iter().rposition(|session| {
+        session.header.observer == observer
+            && session.header.study.sha256 == sha256
+            && session.header.assignment.pilot == pilot
+            && !session.record.is_over()
+    })?;
+    Some(sessions.remove(at))
 }

@@ -90,6 +90,12 @@ struct OpenTrial {
 }
 
 impl Record {
+    /// Whether the session cannot go on: it ran to its end, or ended early for good.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.finished || self.ended.is_some()
+    }
+
     /// Folds events, in their order, into a record.
     #[must_use]
     pub fn from_events<'a>(events: impl IntoIterator<Item = &'a Stamped>) -> Self {
