@@ -12,6 +12,7 @@
 pub mod figures;
 pub mod gaze;
 pub mod mar;
+pub mod power;
 pub mod report;
 mod stats;
 pub mod summary;

@@ -16,7 +16,7 @@ pub use mar_line::mar_line;
 pub use track::{TrackPoint, adaptive_track};
 
 /// Width of every figure, in pixels.
-const WIDTH: f64 = 720.0;
+pub(crate) const WIDTH: f64 = 720.0;
 
 /// A number with three significant digits, for labels in figures.
 fn significant(value: f64) -> String {
