@@ -137,8 +137,7 @@ fn by_trials(own: &[&Simulated]) -> Vec<Point> {
     shares
         .into_iter()
         .map(|share| {
-            let here: Vec<&Simulated> =
-                own.iter().copied().filter(|one| one.share.total_cmp(&share).is_eq()).collect();
+            let here: Vec<&Simulated> = own.iter().copied().filter(|one| one.share.total_cmp(&share).is_eq()).collect();
             let estimates: Vec<Judged> = here
                 .iter()
                 .filter_map(|one| Some(Judged { estimate: one.estimate?, ci95: one.ci95, truth: one.truth }))

@@ -3,8 +3,10 @@
 //! [`describe`] computes, [`Description`] is the result as data (for `--json`) and as text of at most 100 columns (for
 //! a terminal). Durations assume [`ANSWER_S`] for every answer and leave out pages, breaks and aborted trials.
 
+mod design;
 mod procedure;
 mod protocol;
+mod text;
 
 use super::plan::{BlockPlan, Plan};
 use super::validate::finest_mar_around;
@@ -33,12 +35,34 @@ pub struct Description {
     pub gate_deg: Option<f64>,
     /// How long gaze may leave the gate, in seconds.
     pub gate_grace_s: Option<f64>,
+    /// Whether consent is asked for.
+    pub consent: bool,
+    /// Items of the participant form.
+    pub participant: Vec<String>,
     /// Pages of instructions before the first block.
     pub instruction_pages: usize,
     /// The blocks in order.
     pub blocks: Vec<BlockDescription>,
     /// All blocks together.
     pub total: Effort,
+    /// The groups of a between-subject design, each with the blocks that it runs.
+    pub groups: Vec<GroupDescription>,
+    /// The sittings of one observer, each with its trials; empty for a study of one sitting.
+    pub sittings: Vec<Effort>,
+    /// Trials of a block in a pilot run, at most.
+    pub pilot_trials: u32,
+}
+
+/// One group of a between-subject design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GroupDescription {
+    /// Its name.
+    pub name: String,
+    /// Its blocks.
+    pub blocks: Vec<String>,
+    /// Its trials.
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// A display in the units of vision.
@@ -84,10 +108,16 @@ pub struct BlockDescription {
     pub practice: bool,
     /// The condition's name.
     pub condition: String,
-    /// Scene with its parameters, in words.
+    /// The factors that are crossed, each with its levels.
+    pub factors: Vec<FactorDescription>,
+    /// The cells of the design.
+    pub cells: usize,
+    /// Scene with its parameters, in words; of the first cell where factors vary it.
     pub scene: String,
     /// Renderer with its parameters, in words; those that levels set are left out.
     pub renderer: String,
+    /// How observers look, in words.
+    pub looks: String,
     /// The protocol with its timing, in words.
     pub protocol: String,
     /// One trial in seconds, with an answer after [`ANSWER_S`].
@@ -97,8 +127,14 @@ pub struct BlockDescription {
     /// Trials and minutes.
     #[serde(flatten)]
     pub effort: Effort,
+    /// Which of reference and test comes first, in words.
+    pub presentation: String,
+    /// In which order the trials come, in words.
+    pub order: String,
     /// Levels that may be shown.
     pub levels: usize,
+    /// Renderer parameters that the levels set, with their ranges.
+    pub parameters: Vec<ParameterRange>,
     /// Pairs of eccentricity and MAR left out because the display cannot show them.
     pub levels_beyond_display: usize,
     /// The finest and the coarsest MAR among the levels, degrees per cycle, if they set it.
@@ -109,6 +145,34 @@ pub struct BlockDescription {
     pub stop: String,
     /// A break after so many trials.
     pub break_every_trials: Option<u32>,
+    /// A break after so many minutes.
+    pub break_every_minutes: Option<f64>,
+    /// When practice has been passed, in words.
+    pub criterion: Option<String>,
+    /// Items of the questionnaire after the block.
+    pub questionnaire: Vec<String>,
+}
+
+/// A factor and its levels.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FactorDescription {
+    /// Its name.
+    pub name: String,
+    /// Its levels.
+    pub levels: Vec<String>,
+}
+
+/// What the levels of a block set a renderer parameter to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterRange {
+    /// The parameter.
+    pub name: String,
+    /// Distinct values.
+    pub values: usize,
+    /// The smallest.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
 }
 
 /// What the display shows at one eccentricity.
@@ -128,12 +192,6 @@ pub struct EccentricityDescription {
 #[must_use]
 pub fn describe(plan: &Plan) -> Description {
     let blocks: Vec<BlockDescription> = plan.blocks.iter().map(|block| describe_block(block, plan)).collect();
-    let total = blocks.iter().fold(Effort::default(), |total, block| Effort {
-        trials_min: total.trials_min + block.effort.trials_min,
-        trials_max: total.trials_max + block.effort.trials_max,
-        minutes_min: total.minutes_min + block.effort.minutes_min,
-        minutes_max: total.minutes_max + block.effort.minutes_max,
-    });
     Description {
         study: plan.name.clone(),
         title: plan.title.clone(),
@@ -142,10 +200,25 @@ pub fn describe(plan: &Plan) -> Description {
         fixation_deg: plan.gaze.fixation_deg,
         gate_deg: plan.gaze.gate.map(|gate| gate.radius_deg),
         gate_grace_s: plan.gaze.gate.map(|gate| gate.grace_s),
+        consent: plan.texts.consent.is_some(),
+        participant: plan.participant.iter().map(|item| item.name.clone()).collect(),
         instruction_pages: plan.texts.instructions.len(),
+        total: total(blocks.iter()),
+        groups: design::groups(plan, &blocks),
+        sittings: design::sittings(plan),
+        pilot_trials: plan.pilot.trials,
         blocks,
-        total,
     }
+}
+
+/// Trials and minutes of some blocks together.
+fn total<'b>(blocks: impl Iterator<Item = &'b BlockDescription>) -> Effort {
+    blocks.fold(Effort::default(), |total, block| Effort {
+        trials_min: total.trials_min + block.effort.trials_min,
+        trials_max: total.trials_max + block.effort.trials_max,
+        minutes_min: total.minutes_min + block.effort.minutes_min,
+        minutes_max: total.minutes_max + block.effort.minutes_max,
+    })
 }
 
 fn describe_display(display: &Display) -> DisplayDescription {
@@ -172,15 +245,18 @@ fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
     let levels = block.procedure.levels();
     let condition = &block.cells[0].condition;
     let minutes = |trials: u32| f64::from(trials) * trial_s / 60.0;
-    let (trials_min, trials_max) = (block.procedure.min_trials(), block.procedure.max_trials());
+    let (trials_min, trials_max) = (block.min_trials(), block.max_trials());
     BlockDescription {
         name: block.name.clone(),
         practice: block.practice,
-        condition: condition.name.clone(),
+        condition: condition.name.split(':').next().unwrap_or_default().to_owned(),
+        factors: design::factors(block),
+        cells: block.cells.len(),
         scene: with_parameters(&condition.scene, &condition.scene_parameters, |_| true),
         renderer: with_parameters(&condition.renderer, &condition.renderer_parameters, |name| {
             !levels.iter().any(|level| level.contains_key(name))
         }),
+        looks: design::looks(block),
         protocol,
         trial_s,
         procedure,
@@ -190,12 +266,18 @@ fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
             minutes_min: minutes(trials_min),
             minutes_max: minutes(trials_max),
         },
+        presentation: design::presentation(block),
+        order: design::order(block),
         levels: levels.len(),
+        parameters: design::parameter_ranges(levels),
         levels_beyond_display,
         mar_deg: extent(levels.iter().filter_map(|level| condition.tested_at(level)[1])),
         eccentricities: describe_eccentricities(block, plan),
         stop,
         break_every_trials: block.breaks.every_trials,
+        break_every_minutes: block.breaks.every_s.map(|seconds| seconds / 60.0),
+        criterion: block.criterion.map(design::criterion),
+        questionnaire: block.questionnaire.iter().map(|item| item.name.clone()).collect(),
     }
 }
 
@@ -230,125 +312,4 @@ fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
         None => Some([value, value]),
         Some([low, high]) => Some([value.min(low), value.max(high)]),
     })
-}
-
-impl fmt::Display for Effort {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.trials_min == self.trials_max {
-            write!(f, "{} trials, about {:.1} min", self.trials_max, self.minutes_max)
-        } else {
-            write!(
-                f,
-                "{}–{} trials, about {:.1}–{:.1} min",
-                self.trials_min, self.trials_max, self.minutes_min, self.minutes_max
-            )
-        }
-    }
-}
-
-impl fmt::Display for Description {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} – {}", self.study, self.title)?;
-        wrapped(f, "  ", &self.about)?;
-        writeln!(f, "\n{}", self.display)?;
-        let [x, y] = self.fixation_deg;
-        write!(f, "Gaze      fixation at ({x}°, {y}°)")?;
-        match (self.gate_deg, self.gate_grace_s) {
-            (Some(radius), Some(grace)) => writeln!(f, ", gate of {radius}° with {grace} s of grace")?,
-            _ => writeln!(f, ", no gate")?,
-        }
-        for (index, block) in self.blocks.iter().enumerate() {
-            writeln!(
-                f,
-                "\nBlock {}   {}{}",
-                index + 1,
-                block.name,
-                if block.practice && block.name != "practice" { " (practice)" } else { "" }
-            )?;
-            write!(f, "{block}")?;
-        }
-        let blocks = if self.blocks.len() == 1 { "block" } else { "blocks" };
-        writeln!(f, "\nIn all    {} {blocks}, {}", self.blocks.len(), self.total)?;
-        write!(f, "          (an answer is taken to need {ANSWER_S} s; pages, breaks and aborted trials come on top)")
-    }
-}
-
-impl fmt::Display for DisplayDescription {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([w, h], [w_mm, h_mm], [w_deg, h_deg]) = (self.resolution_px, self.size_mm, self.size_deg);
-        writeln!(
-            f,
-            "Display   {}: {w} × {h} px, {w_mm:.0} × {h_mm:.0} mm from {:.0} mm, {} Hz",
-            self.name, self.distance_mm, self.refresh_hz
-        )?;
-        write!(
-            f,
-            "          {w_deg:.1}° × {h_deg:.1}°, {:.1} px per degree, finest MAR {:.4}° per cycle at the centre",
-            self.px_per_deg, self.finest_mar_deg
-        )
-    }
-}
-
-impl fmt::Display for BlockDescription {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "  shows   {}: {} under {}", self.condition, self.scene, self.renderer)?;
-        wrapped(f, "  asks    ", &self.protocol)?;
-        writeln!(f, "  by      {}", self.procedure)?;
-        write!(f, "  trials  {}", self.effort)?;
-        match self.break_every_trials {
-            Some(every) => writeln!(f, ", a break every {every} trials")?,
-            None => writeln!(f)?,
-        }
-        wrapped(f, "  ends    ", &self.stop)?;
-        write!(f, "  levels  {}", self.levels)?;
-        match self.mar_deg {
-            Some([fine, coarse]) if fine < coarse => write!(f, ", MAR {fine:.4}–{coarse:.4}° per cycle")?,
-            Some([only, _]) => write!(f, ", MAR {only:.4}° per cycle")?,
-            None => {}
-        }
-        if self.levels_beyond_display > 0 {
-            write!(f, "; {} finer than the display can show are left out", self.levels_beyond_display)?;
-        }
-        writeln!(f)?;
-        if !self.eccentricities.is_empty() {
-            writeln!(f, "          eccentricity   ring on display   finest MAR   levels")?;
-        }
-        for row in &self.eccentricities {
-            writeln!(
-                f,
-                "          {:>11.1}° {:>15.0} % {:>11.4}° {:>8}",
-                row.eccentricity_deg,
-                100.0 * row.visible_share,
-                row.finest_mar_deg,
-                row.levels
-            )?;
-        }
-        Ok(())
-    }
-}
-
-/// Writes words in lines of at most 98 columns, the first after `label`, the others as far in.
-fn wrapped(f: &mut fmt::Formatter<'_>, label: &str, text: &str) -> fmt::Result {
-    const COLUMNS: usize = 98;
-    let indent = label.chars().count();
-    let mut line = label.to_owned();
-    let mut column = indent;
-    for word in text.split_whitespace() {
-        let width = word.chars().count();
-        if column > indent && column + 1 + width > COLUMNS {
-            writeln!(f, "{}", line.trim_end())?;
-            line = " ".repeat(indent);
-            column = indent;
-        }
-        if column > indent {
-            line.push(' ');
-            column += 1;
-        }
-        line.push_str(word);
-        column += width;
-    }
-    if column > indent {
-        writeln!(f, "{line}")?;
-    }
-    Ok(())
 }

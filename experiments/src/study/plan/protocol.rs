@@ -10,6 +10,14 @@ pub enum ProtocolPlan {
 }
 
 impl ProtocolPlan {
+    /// Whether it matters which of reference and test comes first.
+    #[must_use]
+    pub fn alternatives_matter(&self) -> bool {
+        match self {
+            Self::TwoInterval(_) => true,
+        }
+    }
+
     /// Whether answers are right or wrong, so that shares can be counted and adaptive procedures learn.
     #[must_use]
     pub fn has_right_answers(&self) -> bool {
