@@ -4,9 +4,11 @@
 //! read as far as it goes and all of them reported at once. `schemars(required)` marks what must be there; the doc
 //! comments become the schema's descriptions, which editors show. [`super::validate`] makes a plan of them.
 
+mod form;
 mod procedure;
 mod protocol;
 
+pub use form::*;
 pub use procedure::*;
 pub use protocol::*;
 

@@ -2,7 +2,9 @@
 
 mod hostile;
 mod kinds;
+mod machines;
 mod plans;
+mod protocols;
 mod shipped;
 
 use super::{Mistakes, Plan, parse_study};

@@ -5,6 +5,7 @@
 
 mod condition;
 mod display;
+mod form;
 mod procedure;
 mod protocol;
 mod values;
