@@ -28,7 +28,7 @@ pub fn row(n: usize, row: usize) -> Vec<usize> {
 /// How many rows a balanced square of `n` levels has.
 #[must_use]
 pub fn rows(n: usize) -> usize {
-    if n % 2 == 0 { n } else { 2 * n }
+    if n.is_multiple_of(2) { n } else { 2 * n }
 }
 
 #[cfg(test)]

@@ -3,15 +3,29 @@
 //! A [`Protocol`] is a pure machine with neither clock nor I/O: it is told what happened and says what to show next. A
 //! stage (a window, an offscreen target, a test) presents each [`Phase`] and reports back.
 
+pub mod adjustment;
 pub mod feedback;
 pub mod form;
+pub mod likert;
+pub mod pair;
+pub mod paired_task;
+pub mod ramp;
+pub mod slider;
+pub mod toggle;
 pub mod two_interval;
 
 use crate::marks::Spheres;
 use crate::study::plan::{BlockPlan, Level, ProtocolPlan};
+use adjustment::Adjustment;
 use feedback::WithFeedback;
+use likert::Likert;
+use pair::Pair;
+use paired_task::PairedTask;
+use ramp::Ramp;
 use serde::{Deserialize, Serialize};
+use slider::Slider;
 use std::collections::BTreeMap;
+use toggle::Toggle;
 use two_interval::TwoInterval;
 
 /// How a trial asks.
@@ -40,6 +54,13 @@ pub struct Setup<'a> {
 pub fn start(block: &BlockPlan, setup: Setup<'_>) -> Box<dyn Protocol> {
     let protocol: Box<dyn Protocol> = match &block.protocol {
         ProtocolPlan::TwoInterval(plan) => Box::new(TwoInterval::new(plan, setup.order)),
+        ProtocolPlan::Toggle(plan) => Box::new(Toggle::new(plan, setup.order)),
+        ProtocolPlan::Pair(plan) => Box::new(Pair::new(plan, setup.order)),
+        ProtocolPlan::Ramp(plan) => Box::new(Ramp::new(plan, setup.level, setup.order)),
+        ProtocolPlan::Slider(plan) => Box::new(Slider::new(plan)),
+        ProtocolPlan::Likert(plan) => Box::new(Likert::new(plan)),
+        ProtocolPlan::Adjustment(plan) => Box::new(Adjustment::new(plan, setup.level)),
+        ProtocolPlan::PairedTask(plan) => Box::new(PairedTask::new(plan, setup.order, setup.path_seed)),
     };
     if block.practice { Box::new(WithFeedback::new(protocol, block.feedback_s)) } else { protocol }
 }

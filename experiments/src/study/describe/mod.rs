@@ -235,10 +235,11 @@ fn describe_display(display: &Display) -> DisplayDescription {
 }
 
 fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
-    let feedback_s = if block.practice { block.feedback_s } else { 0.0 };
+    let has_feedback = block.practice && block.protocol.has_right_answers();
+    let feedback_s = if has_feedback { block.feedback_s } else { 0.0 };
     let trial_s = block.protocol.trial_s(ANSWER_S) + feedback_s;
     let mut protocol = protocol::in_words(&block.protocol);
-    if block.practice {
+    if has_feedback {
         protocol.push_str(&format!(", feedback {} s", block.feedback_s));
     }
     let (procedure, stop, levels_beyond_display) = procedure::in_words(&block.procedure);

@@ -5,10 +5,12 @@
 //! comments become the schema's descriptions, which editors show. [`super::validate`] makes a plan of them.
 
 mod design;
+mod form;
 mod procedure;
 mod protocol;
 
 pub use design::*;
+pub use form::*;
 pub use procedure::*;
 pub use protocol::*;
 
@@ -54,6 +56,8 @@ pub struct StudyDraft {
     pub gaze: Option<GazeDraft>,
     /// Pages shown around the blocks.
     pub texts: Option<TextsDraft>,
+    /// What is asked about the participant before anything else; of several sittings, in the first.
+    pub participant: Option<Vec<Option<ItemDraft>>>,
     /// What is shown, by name.
     #[schemars(required)]
     pub conditions: Option<BTreeMap<String, Option<ConditionDraft>>>,
@@ -195,4 +199,6 @@ pub struct BlockDraft {
     /// A break after this many minutes since the block began or the last break ended; no breaks when absent.
     #[schemars(range(max = 1000.0), extend("exclusiveMinimum" = 0))]
     pub break_every_minutes: Option<f64>,
+    /// Asked after the block.
+    pub questionnaire: Option<Vec<Option<ItemDraft>>>,
 }

@@ -171,7 +171,7 @@ proptest! {
     }
 }
 
-fn collect_pointers(value: &serde_json::Value, here: String, pointers: &mut Vec<String>) {
+pub(super) fn collect_pointers(value: &serde_json::Value, here: String, pointers: &mut Vec<String>) {
     match value {
         serde_json::Value::Object(map) => {
             for (key, value) in map {

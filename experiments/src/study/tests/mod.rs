@@ -3,7 +3,9 @@
 mod designs;
 mod hostile;
 mod kinds;
+mod machines;
 mod plans;
+mod protocols;
 mod shipped;
 
 use super::{Mistakes, Plan, parse_study};

@@ -16,7 +16,7 @@ fn a_study_becomes_a_plan() {
     assert!(practice.practice);
     assert_eq!(practice.cells[0].condition.renderer_parameters["width_deg"], ParameterValue::Number(4.0));
     assert_eq!(practice.cells[0].condition.renderer_parameters["mar_deg"], ParameterValue::Number(0.5), "the default");
-    let ProtocolPlan::TwoInterval(timing) = &practice.protocol;
+    let ProtocolPlan::TwoInterval(timing) = &practice.protocol else { panic!("two intervals") };
     assert_eq!((timing.question.as_str(), practice.feedback_s), (DEFAULT_QUESTION, DEFAULT_FEEDBACK_S));
     // 2 eccentricities × 3 MARs × 4 repetitions.
     assert_eq!(practice.procedure.levels().len(), 6);

@@ -3,9 +3,11 @@
 //! Names are resolved in the catalogue, numbers are held against renderer and display, and every mistake is reported
 //! before the answer is given. `condition`, `display`, `procedure` and `values` are one subject each.
 
+mod agreement;
 mod condition;
 mod design;
 mod display;
+mod form;
 mod procedure;
 mod protocol;
 mod values;
@@ -67,13 +69,16 @@ pub(super) fn study(
     let groups = design::groups(draft.groups.as_ref(), blocks.as_deref(), &root.key("groups"), report);
     let sittings = design::sittings(draft.sittings.as_ref(), blocks.as_deref(), &root.key("sittings"), report);
 
+    let items = draft.participant.as_deref().unwrap_or_default();
+    let participant = form::checked(items, &root.key("participant"), report);
+
     Some(Plan {
         name: name?,
         title: draft.title.clone()?,
         about: draft.about.clone().unwrap_or_default(),
         gaze: gaze?,
         texts: texts(draft.texts.as_ref()),
-        participant: Vec::new(),
+        participant,
         blocks: blocks?,
         groups: groups?,
         sittings: sittings?,
@@ -242,13 +247,17 @@ impl Context<'_> {
             }
             _ => None,
         };
-        let protocol = draft.protocol.as_ref().and_then(|p| {
-            protocol::checked(p, self.target(cells.as_deref()), self.refresh_hz, &field.key("protocol"), report)
-        });
-        let procedure = draft.procedure.as_ref().and_then(|draft| {
-            let target = self.target(cells.as_deref());
-            procedure::checked(draft, target, self.geometry, &field.key("procedure"), report)
-        });
+        // What is set must be there in every renderer that a cell shows; each of them may find its own mistakes.
+        let (mut protocol, mut procedure) = (None, None);
+        for target in self.targets(cells.as_deref()) {
+            let target = target.as_ref().map(|(condition, renderer)| (*condition, *renderer));
+            protocol = draft.protocol.as_ref().and_then(|protocol| {
+                protocol::checked(protocol, target, self.refresh_hz, &field.key("protocol"), report)
+            });
+            procedure = draft.procedure.as_ref().and_then(|procedure| {
+                procedure::checked(procedure, target, self.geometry, &field.key("procedure"), report)
+            });
+        }
         let order = design::order(draft.order.as_ref(), cells.as_deref(), &field.key("order"), report);
         let presentation_order = design::presentation_order(draft, field, report);
         let practice = draft.practice.unwrap_or(false);
@@ -256,6 +265,8 @@ impl Context<'_> {
             let has_right_answers = protocol.as_ref().is_none_or(ProtocolPlan::has_right_answers);
             design::criterion(criterion, practice, has_right_answers, &field.key("criterion"), report)
         });
+        let items = draft.questionnaire.as_deref().unwrap_or_default();
+        let questionnaire = form::checked(items, &field.key("questionnaire"), report);
         let block = BlockPlan {
             name: name?,
             practice,
@@ -272,16 +283,29 @@ impl Context<'_> {
                 every_s: draft.break_every_minutes.map(|minutes| 60.0 * minutes),
             },
             at_most_trials: None,
-            questionnaire: Vec::new(),
+            questionnaire,
         };
         design::report_impossible_order(&block, field, report);
+        agreement::report(&block, self.geometry, field, report);
         Some(block)
     }
 
-    /// What a block's protocol and procedure are set on: its first cell stands for all, which share a renderer.
-    fn target<'c>(&self, cells: Option<&'c [Cell]>) -> Option<(&'c Condition, &RendererInfo)> {
-        let condition = &cells?.first()?.condition;
-        Some((condition, self.world.catalogue.renderer(&condition.renderer)?))
+    /// What a block's protocol and procedure are set on: one cell for each renderer; nothing where cells are not known.
+    fn targets<'c>(&self, cells: Option<&'c [Cell]>) -> Vec<Option<(&'c Condition, &RendererInfo)>> {
+        let mut targets: Vec<Option<(&Condition, &RendererInfo)>> = Vec::new();
+        for condition in cells.into_iter().flatten().map(|cell| &cell.condition) {
+            let is_new = !targets.iter().flatten().any(|(known, _)| known.renderer == condition.renderer);
+            let renderer = self.world.catalogue.renderer(&condition.renderer);
+            if let Some(renderer) = renderer.filter(|_| is_new) {
+                targets.push(Some((condition, renderer)));
+            }
+        }
+        if targets.is_empty() {
+            targets.push(None);
+        }
+        // The first one listed has the last word on what a constant level inherits from its condition.
+        targets.reverse();
+        targets
     }
 
     fn condition(&self, name: &str, field: &Field, report: &mut Report<'_>) -> Option<(&str, &Named)> {

@@ -323,13 +323,13 @@ fn stop(draft: &StopDraft, field: &Field, report: &mut Report<'_>) -> Option<Sto
 
 /// Where a parameter's name stands: as a key, or as a value that may be absent.
 #[derive(Clone, Copy)]
-enum Place {
+pub(super) enum Place {
     Key,
     Value,
 }
 
 /// A renderer's numeric parameter, reported where there is none.
-fn number_parameter<'r>(
+pub(super) fn number_parameter<'r>(
     name: &str,
     renderer: &'r RendererInfo,
     field: &Field,
@@ -356,7 +356,7 @@ fn number_parameter<'r>(
 }
 
 /// Reports a value out of a parameter's bounds, and says whether it is within.
-fn in_bounds(schema: &ParameterSchema, value: f64, field: &Field, report: &mut Report<'_>) -> bool {
+pub(super) fn in_bounds(schema: &ParameterSchema, value: f64, field: &Field, report: &mut Report<'_>) -> bool {
     match schema.check(&ParameterValue::Number(value)) {
         Ok(()) => true,
         Err(error) => {
