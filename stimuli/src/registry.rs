@@ -25,6 +25,7 @@ const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[
     (renderers::reference::info, renderers::reference::make),
     (renderers::ring::info, renderers::ring::make),
     (renderers::layers::info, renderers::layers::make),
+    (renderers::falloff::info, renderers::falloff::make),
 ];
 
 /// Everything that a study may name. Needs no GPU.
