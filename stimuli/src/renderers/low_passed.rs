@@ -345,7 +345,14 @@ impl LowPassed {
             };
             let bind_group = pass::bind(gpu, &workshop.pipeline, &uniform, &[&source]);
             let target = pass::view(pass::at_least(gpu, &mut workshop.texture, "low-passed", size, workshop.format));
-            stages.push(Stage { kind, is_last, source_size, tiles: Tiles::new(size), bind_group, target: target.clone() });
+            stages.push(Stage {
+                kind,
+                is_last,
+                source_size,
+                tiles: Tiles::new(size),
+                bind_group,
+                target: target.clone(),
+            });
             (source, source_size) = (target, size);
         }
         Chain { mar_deg, method, stages, filtered: source }

@@ -82,7 +82,8 @@ fn parameters_can_change_between_frames() {
     let display = display([160, 90], [500.0, 281.0], 600.0);
     let none = Parameters::new();
     let frame = looking_at([0.0, 0.0]);
-    for (renderer, name, value) in [("ring", "mar_deg", 3.0), ("layers", "m", 0.1), ("gaussian-falloff", "rate", 0.05)] {
+    for (renderer, name, value) in [("ring", "mar_deg", 3.0), ("layers", "m", 0.1), ("gaussian-falloff", "rate", 0.05)]
+    {
         let changed = numbers([(name, value)]);
         let (fresh, _) = Setup::new(&display, ("photo", &none), (renderer, &changed)).frame(&frame);
         let mut setup = Setup::new(&display, ("photo", &none), (renderer, &none));

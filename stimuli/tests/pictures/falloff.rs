@@ -12,8 +12,8 @@ fn falloff(radius_deg: f64, rate: f64) -> Parameters {
     numbers([("radius_deg", radius_deg), ("rate", rate)])
 }
 
-/// Largest and root-mean-square difference from the direct sum over about `samples` pixels with a σ of `at_least_px`, and
-/// the largest σ met, px.
+/// Largest and root-mean-square difference from the direct sum over some of the blurred pixels, and the largest σ among
+/// them, px.
 struct Difference {
     largest: f64,
     rms: f64,
@@ -36,7 +36,7 @@ fn difference(
     let mut found = Difference { largest: 0.0, rms: 0.0, sigma_px: 0.0 };
     let step = (blurred.len() / samples).max(1);
     let mut count = 0.0;
-    // A prime number of pixels apart at least, so that no column is favoured.
+    // An odd number of pixels apart, so that no column of the even display is favoured.
     for &i in blurred.iter().step_by(step | 1) {
         let expected = filtered_pixel(display, &sharp, sigmas[i] / SIGMA_PER_MAR, i);
         for c in 0..3 {
@@ -56,28 +56,30 @@ fn difference(
 
 #[test]
 fn every_pixel_is_the_direct_sum_with_its_own_sigma() {
-    // The first display of Tursun 2019, a part of it: 42 px per degree; and a wide one of coarse pixels.
+    // The first display of Tursun 2019, a part of it: 50 px per degree; and a wide one of coarse pixels.
     let fine = display([480, 270], [111.9, 62.9], 665.0);
     let wide = display([480, 270], [600.0, 337.5], 405.0);
     let images = ["gravel", "chelsea", "coffee", "grass"];
-    // The paper's range of r and k, brought into a picture of 9.6°; and its strongest over 73°; and 20 times that.
+    // The paper's k near the gaze, and five times as much; its strongest over 73°, four times as much, and the most there is.
     let cases = [
-        (&fine, [-4.0, 1.0], [2.0, 0.0035], 1.5e-3),
-        (&fine, [-4.0, 2.0], [1.0, 0.0175], 1.5e-3),
-        (&wide, [0.0, 0.0], [4.0, 0.0052], 1.5e-3),
-        (&wide, [-30.0, 12.0], [7.0, 0.02], 1.5e-3),
+        (&fine, [-4.0, 1.0], [2.0, 0.0035], 2e-3),
+        (&fine, [-4.0, 2.0], [1.0, 0.0175], 2e-3),
+        (&wide, [0.0, 0.0], [4.0, 0.0052], 2e-3),
+        (&wide, [-30.0, 12.0], [7.0, 0.02], 2e-3),
         (&wide, [-30.0, 12.0], [0.0, 0.1], 4e-3),
     ];
     for (display, gaze_deg, [radius_deg, rate], limit) in cases {
+        // The sum over the widest Gaussians is long.
+        let samples = if rate < 0.1 { 1000 } else { 150 };
         for image in images {
-            let d = difference(display, ("photo", &named("image", image)), gaze_deg, [radius_deg, rate], 1500);
+            let d = difference(display, ("photo", &named("image", image)), gaze_deg, [radius_deg, rate], samples);
             println!(
                 "{image:8} r {radius_deg}° k {rate}: σ to {:5.2} px, largest {:.2e}, rms {:.2e}",
                 d.sigma_px, d.largest, d.rms
             );
             assert!(d.largest <= limit, "{image} r {radius_deg} k {rate}: {:.2e}", d.largest);
         }
-        let d = difference(display, ("noise", &Parameters::new()), gaze_deg, [radius_deg, rate], 1500);
+        let d = difference(display, ("noise", &Parameters::new()), gaze_deg, [radius_deg, rate], samples);
         println!("noise    r {radius_deg}° k {rate}: largest {:.2e}, rms {:.2e}", d.largest, d.rms);
         assert!(d.largest <= 4e-3, "noise r {radius_deg} k {rate}: {:.2e}", d.largest);
     }
@@ -102,7 +104,8 @@ fn blur_grows_with_eccentricity_as_it_should() {
     let display = display([480, 270], [600.0, 337.5], 800.0);
     let [radius_deg, rate] = [3.0, 0.02];
     let noise = numbers([("seed", 9.0)]);
-    let (shown, _) = Setup::new(&display, ("noise", &noise), (ID, &falloff(radius_deg, rate))).frame(&looking_at([0.0; 2]));
+    let (shown, _) =
+        Setup::new(&display, ("noise", &noise), (ID, &falloff(radius_deg, rate))).frame(&looking_at([0.0; 2]));
     let angles = eccentricities(&display, [0.0; 2]);
     let pixel_deg = (display.pitch_mm()[0] / display.distance_mm()).to_degrees();
     let mut before = f64::INFINITY;
@@ -141,7 +144,8 @@ fn what_was_made_for_another_gaze_or_rate_is_right_for_this_one() {
         assert!(shown == fresh, "step {step}, rate {rate}");
 
         // What it says it filtered is what has a σ; the photograph was drawn once.
-        let blurred = eccentricities(&display, gaze.gaze_deg).into_iter().filter(|&e| rate > 0.0 && e > 4.0 + t).count();
+        let blurred =
+            eccentricities(&display, gaze.gaze_deg).into_iter().filter(|&e| rate > 0.0 && e > 4.0 + t).count();
         let drawn = if step == 0 { display.pixels() } else { 0 };
         assert_eq!(cost.pixels_shaded, drawn + blurred as u64, "step {step}");
     }
