@@ -17,6 +17,7 @@ type Entry<Info, Make> = (fn() -> Info, Make);
 
 const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
     (scenes::photo::info, scenes::photo::make),
+    (scenes::patch::info, scenes::patch::make),
     (scenes::orbit::info, scenes::orbit::make),
     (scenes::noise::info, scenes::noise::make),
 ];
