@@ -93,8 +93,8 @@ const COLUMNS: usize = 8;
 const COLUMN_RING: f64 = 14.0;
 /// Distance of the camera from the middle.
 const CAMERA_RING: f64 = 11.0;
-/// How far a panning camera looks to either side, degrees: the court stays in view.
-const PAN_DEG: f64 = 25.0;
+/// How far a panning camera looks to either side, degrees: some of the court stays in view on a display of 30°.
+const PAN_DEG: f64 = 15.0;
 
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
