@@ -130,7 +130,7 @@ impl Painter {
             Presentation::Text(_) => self.page.as_ref().map(|(_, texture)| texture),
         };
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        pass.draw(&self.gpu, &mut encoder, target, target_px, background, overlay);
+        pass.draw(&self.gpu, &mut encoder, target, target_px, background, &[], overlay);
         self.gpu.queue.submit([encoder.finish()]);
     }
 

@@ -1,6 +1,7 @@
 //! Milliseconds per frame of the calibration ring, brought back from the GPU as an offscreen session does, for several
 //! eccentricities and detail limits, while the gaze moves about as in a fixation; and of the first frame with a new limit,
-//! for which the filter has to be computed anew.
+//! for which the filter has to be computed anew. Then the same for the Gaussian falloff, whose first frame is that of a
+//! new picture.
 //!
 //! `cargo run --release -p stimuli --example frame_times -- [FRAMES [DISPLAY]]`
 
@@ -73,6 +74,40 @@ fn main() -> Result<(), Box<dyn Error>> {
                 render_ms[0], render_ms[middle], all_ms[0], all_ms[middle]
             )?;
         }
+    }
+    falloff_times(&gpu, &display, frames, &mut out)
+}
+
+/// The Gaussian falloff: the first frame of a picture, and frames in which only the gaze moves, by tenths of a degree as in
+/// a fixation and by degrees.
+fn falloff_times(gpu: &Gpu, display: &Display, frames: u32, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
+    writeln!(out, "gaussian-falloff: ms of a picture's first frame, then of {frames} frames of a moving gaze, median")?;
+    let image = |name: &str| Parameters::from([("image".to_owned(), ParameterValue::Text(name.to_owned()))]);
+    for (radius_deg, rate) in [(11.0, 0.0017), (7.0, 0.0035), (4.0, 0.0052)] {
+        let settings = [("radius_deg", radius_deg), ("rate", rate)];
+        let parameters: Parameters =
+            settings.into_iter().map(|(name, value)| (name.to_owned(), ParameterValue::Number(value))).collect();
+        let mut falloff = make_renderer(gpu, display, "gaussian-falloff", &parameters)?;
+        let mut milliseconds = |scene: &mut dyn stimuli::Scene, gaze_deg: [f64; 2]| -> Result<f64, Box<dyn Error>> {
+            let begin = Instant::now();
+            falloff.render(gpu, scene, &FrameInput { gaze_deg, ..FrameInput::default() })?;
+            gpu.wait()?;
+            Ok(begin.elapsed().as_secs_f64() * 1e3)
+        };
+        // The very first makes textures.
+        milliseconds(make_scene(gpu, display, "photo", &image("grass"))?.as_mut(), [0.0; 2])?;
+        let mut scene = make_scene(gpu, display, "photo", &image("gravel"))?;
+        let first = milliseconds(scene.as_mut(), [0.0; 2])?;
+        let mut moving = |span_deg: f64| -> Result<f64, Box<dyn Error>> {
+            let gaze = |t: f64| [span_deg * (0.7 * t).sin(), 0.8 * span_deg * (1.1 * t).cos()];
+            let times: Result<Vec<f64>, _> =
+                (1..=frames).map(|t| milliseconds(scene.as_mut(), gaze(f64::from(t)))).collect();
+            let mut times = times?;
+            times.sort_by(f64::total_cmp);
+            Ok(times[times.len() / 2])
+        };
+        let (still, wide) = (moving(0.3)?, moving(5.0)?);
+        writeln!(out, "r {radius_deg:4} k {rate}: first {first:7.1} | 0.3° {still:6.1} | 5° {wide:6.1}")?;
     }
     Ok(())
 }

@@ -29,6 +29,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             ("eccentricity_deg".to_owned(), ParameterValue::Number(8.0)),
         ])
     };
+    let mut patch = image("coffee");
+    for (name, value) in [("left_px", 240.0), ("top_px", 60.0), ("contrast", 0.8)] {
+        patch.insert(name.to_owned(), ParameterValue::Number(value));
+    }
+    let falloff = |radius_deg: f64, rate: f64| {
+        Parameters::from([
+            ("radius_deg".to_owned(), ParameterValue::Number(radius_deg)),
+            ("rate".to_owned(), ParameterValue::Number(rate)),
+        ])
+    };
     let still = Parameters::new();
     let scenes = [
         ("orbit", "orbit", still.clone()),
@@ -37,12 +47,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("chelsea", "photo", image("chelsea")),
         ("coffee", "photo", image("coffee")),
         ("grass", "photo", image("grass")),
+        ("patch", "patch", patch),
     ];
     let renderers = [
         ("reference", "reference", still.clone()),
         ("ring-0.1", "ring", mar(0.1)),
         ("ring-0.5", "ring", mar(0.5)),
         ("ring-2", "ring", mar(2.0)),
+        ("falloff", "gaussian-falloff", falloff(4.0, 0.0052)),
+        ("falloff-strong", "gaussian-falloff", falloff(3.0, 0.05)),
         ("layers", "layers", still),
     ];
     writeln!(out, "{} scenes, {} renderers known", catalogue().scenes.len(), catalogue().renderers.len())?;

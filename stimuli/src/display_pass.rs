@@ -1,4 +1,4 @@
-//! The last step to a display: clamp to 0–1, lay the text screen over, encode as sRGB (IEC 61966-2-1). The window and the
+//! The last step to a display: clamp to 0–1, lay discs and the text screen over, encode as sRGB (IEC 61966-2-1). The window and the
 //! offscreen stage both use it, so that a picture on disk is the picture that was seen.
 
 use crate::geometry::PixelBox;
@@ -19,11 +19,27 @@ pub enum Background<'a> {
     Uniform([f64; 3]),
 }
 
+/// How many discs a frame can show.
+pub const MOST_DISCS: usize = 16;
+
+/// A disc over the picture, shaded as a ball that is lit from above on the left: a target to follow or to count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disc {
+    /// Its centre, display pixels from the top left corner of the display. May lie off the display.
+    pub centre_px: [f64; 2],
+    /// Its radius, display pixels. What is not a positive number is not shown.
+    pub radius_px: f64,
+    /// Its colour in full light, sRGB.
+    pub colour: [u8; 3],
+}
+
 /// The display pass for targets of one format.
 #[derive(Debug)]
 pub struct DisplayPass {
     pipeline: wgpu::RenderPipeline,
     overlay_pipeline: wgpu::RenderPipeline,
+    discs_pipeline: wgpu::RenderPipeline,
+    overlay_on_discs_pipeline: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
     nothing: wgpu::TextureView,
 }
@@ -36,7 +52,15 @@ struct Uniform {
     overlay_size: [i32; 2],
     target_size: [i32; 2],
     flags: u32,
-    reserved: u32,
+    disc_count: u32,
+    discs: [DiscUniform; MOST_DISCS],
+}
+
+#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct DiscUniform {
+    place: [f32; 4],
+    colour: [f32; 4],
 }
 
 impl DisplayPass {
@@ -49,6 +73,8 @@ impl DisplayPass {
         Self {
             pipeline: pipeline("show"),
             overlay_pipeline: pipeline("show_overlay"),
+            discs_pipeline: pipeline("show_discs"),
+            overlay_on_discs_pipeline: pipeline("show_overlay_on_discs"),
             format,
             nothing: pass::view(&pass::linear_texture(gpu, "nothing", [1, 1])),
         }
@@ -62,8 +88,12 @@ impl DisplayPass {
 
     /// Records one frame into `target`, which is `target_px` wide and high.
     ///
+    /// `discs` lie over the background, the later ones on top; the first [`MOST_DISCS`] are shown. The display whose pixels
+    /// they are in is the background's picture, or the whole target where there is none.
+    ///
     /// `overlay` is a picture with straight alpha (see [`overlay_texture`]); it stands in the target's middle, unscaled,
     /// and is mixed in linear light.
+    #[expect(clippy::too_many_arguments, reason = "a frame is these things, one over the other")]
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -71,6 +101,7 @@ impl DisplayPass {
         target: &wgpu::TextureView,
         target_px: [u32; 2],
         background: Background<'_>,
+        discs: &[Disc],
         overlay: Option<&wgpu::Texture>,
     ) {
         let size = |texture: &wgpu::Texture| [texture.width() as i32, texture.height() as i32];
@@ -80,25 +111,64 @@ impl DisplayPass {
         };
         let overlay_is_encoded = overlay.is_some_and(|overlay| !overlay.format().is_srgb());
         let flags = [picture.is_some(), overlay_is_encoded];
+        let display_px = picture.map_or(target_px, |picture| [picture.width(), picture.height()]);
+        let discs = DiscUniform::visible(discs, display_px, target_px);
+        let mut disc_slots = [DiscUniform::default(); MOST_DISCS];
+        disc_slots.iter_mut().zip(&discs).for_each(|(slot, (disc, _))| *slot = *disc);
         let uniform = Uniform {
             colour: [colour[0] as f32, colour[1] as f32, colour[2] as f32, 1.0],
             picture_size: picture.map_or([0; 2], size),
             overlay_size: overlay.map_or([0; 2], size),
             target_size: target_px.map(|x| x as i32),
             flags: flags.iter().zip(0..).map(|(&flag, bit)| u32::from(flag) << bit).sum(),
-            reserved: 0,
+            disc_count: discs.len() as u32,
+            discs: disc_slots,
         };
         let picture_view = picture.map_or_else(|| self.nothing.clone(), pass::view);
         let buffer = pass::uniform(gpu, &uniform);
         let bind_group = pass::bind(gpu, &self.pipeline, &buffer, &[&picture_view]);
         pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::All);
 
+        // The parts of the discs once more, with the discs.
+        if !discs.is_empty() {
+            let places: Vec<PixelBox> = discs.iter().map(|&(_, place)| place).collect();
+            let bind_group = pass::bind(gpu, &self.discs_pipeline, &buffer, &[&picture_view]);
+            pass::draw(encoder, &self.discs_pipeline, &bind_group, target, Extent::Boxes(&places));
+        }
+
         // The overlay's part once more, with the overlay.
         if let Some(overlay) = overlay {
             let place = centred_box([overlay.width(), overlay.height()], target_px);
-            let bind_group = pass::bind(gpu, &self.overlay_pipeline, &buffer, &[&picture_view, &pass::view(overlay)]);
-            pass::draw(encoder, &self.overlay_pipeline, &bind_group, target, Extent::Boxes(&[place]));
+            let pipeline = if discs.is_empty() { &self.overlay_pipeline } else { &self.overlay_on_discs_pipeline };
+            let bind_group = pass::bind(gpu, pipeline, &buffer, &[&picture_view, &pass::view(overlay)]);
+            pass::draw(encoder, pipeline, &bind_group, target, Extent::Boxes(&[place]));
         }
+    }
+}
+
+impl DiscUniform {
+    /// The discs that touch the target, each with the box of target pixels that holds it.
+    fn visible(discs: &[Disc], display_px: [u32; 2], target_px: [u32; 2]) -> Vec<(Self, PixelBox)> {
+        // As `centred` in the shader.
+        let corner: [f64; 2] =
+            std::array::from_fn(|axis| ((i64::from(target_px[axis]) - i64::from(display_px[axis])) >> 1) as f64);
+        let shown = discs.iter().take(MOST_DISCS).filter_map(|disc| {
+            let centre: [f64; 2] = std::array::from_fn(|axis| disc.centre_px[axis] + corner[axis]);
+            if !(centre[0].is_finite() && centre[1].is_finite() && disc.radius_px.is_finite() && disc.radius_px > 0.0) {
+                return None;
+            }
+            let edge = |axis: usize, at: f64| at.clamp(0.0, f64::from(target_px[axis])) as u32;
+            let [[left, right], [top, bottom]] = [0, 1].map(|axis| {
+                let reach = disc.radius_px + 1.0;
+                [edge(axis, (centre[axis] - reach).floor()), edge(axis, (centre[axis] + reach).ceil())]
+            });
+            let uniform = Self {
+                place: [centre[0] as f32, centre[1] as f32, disc.radius_px as f32, 0.0],
+                colour: [disc.colour[0], disc.colour[1], disc.colour[2], 255].map(linear_from_srgb8),
+            };
+            (left < right && top < bottom).then_some((uniform, PixelBox { left, top, right, bottom }))
+        });
+        shown.collect()
     }
 }
 

@@ -92,6 +92,12 @@ impl Cone {
         }
     }
 
+    /// Every direction that meets a display.
+    #[must_use]
+    pub fn everything(display: &Display) -> Self {
+        Self { gaze: [0.0, 0.0, 1.0], cos: -1.0, ..Self::new(display, [0.0; 2], 0.0) }
+    }
+
     /// The columns of row `row` whose pixel centres lie inside, as `first..end`; empty when there are none.
     ///
     /// Along a row the direction turns in a plane through the eye. With ψ the angle from that plane's shortest line to

@@ -24,7 +24,7 @@ mod timing;
 pub use contract::{
     DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
 };
-pub use display_pass::{Background, DisplayPass};
+pub use display_pass::{Background, Disc, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};
 pub use gpu::{Gpu, GpuError};
 pub use registry::{catalogue, make_renderer, make_scene};

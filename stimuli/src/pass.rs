@@ -230,6 +230,7 @@ mod tests {
             ("noise", crate::scenes::noise::WGSL),
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
+            ("falloff", crate::renderers::falloff::WGSL),
             ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),

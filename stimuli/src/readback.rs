@@ -70,7 +70,7 @@ pub fn displayed(
 ) -> Result<RgbaImage, ReadbackError> {
     let target = pass::texture(gpu, "displayed", size_px, display_pass.format());
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    display_pass.draw(gpu, &mut encoder, &pass::view(&target), size_px, background, overlay);
+    display_pass.draw(gpu, &mut encoder, &pass::view(&target), size_px, background, &[], overlay);
     gpu.queue.submit([encoder.finish()]);
     rgba8(gpu, &target)
 }

@@ -17,6 +17,7 @@ type Entry<Info, Make> = (fn() -> Info, Make);
 
 const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
     (scenes::photo::info, scenes::photo::make),
+    (scenes::patch::info, scenes::patch::make),
     (scenes::orbit::info, scenes::orbit::make),
     (scenes::noise::info, scenes::noise::make),
 ];
@@ -25,6 +26,7 @@ const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[
     (renderers::reference::info, renderers::reference::make),
     (renderers::ring::info, renderers::ring::make),
     (renderers::layers::info, renderers::layers::make),
+    (renderers::falloff::info, renderers::falloff::make),
 ];
 
 /// Everything that a study may name. Needs no GPU.

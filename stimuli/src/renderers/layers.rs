@@ -7,7 +7,7 @@
 use crate::contract::{
     DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
 };
-use crate::foveation::plan::{LayerPlan, optimise};
+use crate::foveation::plan::{LayerPlan, optimise, slope_from_quality_index};
 use crate::geometry::{Cone, GeometryUniform, PixelBox};
 use crate::gpu::Gpu;
 use crate::parameters::{number, text};
@@ -26,7 +26,7 @@ const BLEND_FROM: f64 = 0.6;
 pub(crate) fn info() -> RendererInfo {
     RendererInfo {
         id: "layers".to_owned(),
-        version: 1,
+        version: 2,
         about: "Three eccentricity layers around the gaze, optimised for an acuity line and blended smoothly."
             .to_owned(),
         source: "Guenter, Finch, Drucker, Tan, Snyder: Foveated 3D Graphics. ACM TOG 31(6), 2012".to_owned(),
@@ -45,13 +45,24 @@ pub(crate) fn info() -> RendererInfo {
                 1.0 / 48.0,
                 "Detail limit at the fovea: intercept of the acuity line.",
             ),
+            ParameterSchema::number(
+                "quality_index",
+                "",
+                0.0..=100.0,
+                0.0,
+                "Guenter's quality index j, larger is finer; above 0 it sets the slope to 0.33/j in place of m.",
+            ),
             ParameterSchema::choice(
                 "restrict_s2",
                 &["free", "2"],
                 "Sampling factor of the middle layer: the optimum, or 2 as in Guenter's user study.",
             ),
         ],
-        detail: DetailLaw::Line { m: "m".to_owned(), omega0: "omega0_deg".to_owned(), quality_index: None },
+        detail: DetailLaw::Line {
+            m: "m".to_owned(),
+            omega0: "omega0_deg".to_owned(),
+            quality_index: Some("quality_index".to_owned()),
+        },
     }
 }
 
@@ -83,7 +94,9 @@ struct Layers {
 
 fn planned(display: &Display, parameters: &Parameters) -> Result<LayerPlan, Vec<ParameterError>> {
     let restrict_s2 = text(parameters, "restrict_s2")?.parse().ok();
-    Ok(optimise(display, number(parameters, "m")?, number(parameters, "omega0_deg")?, 3, restrict_s2))
+    let quality_index = number(parameters, "quality_index")?;
+    let m = if quality_index > 0.0 { slope_from_quality_index(quality_index) } else { number(parameters, "m")? };
+    Ok(optimise(display, m, number(parameters, "omega0_deg")?, 3, restrict_s2))
 }
 
 pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Renderer>, MakeError> {

@@ -10,6 +10,7 @@
 //! Each stage remembers which tiles of its output are made. A sample depends on the reference picture, the display and
 //! omega alone, so that it does not matter which were asked for before.
 
+use crate::contract::LINEAR_FORMAT;
 use crate::foveation::low_pass::{
     CORRECTED_FROM_PX, CORRECTED_TO_PX, Covariance, TABLE_STEPS, TRUNCATION, effective_sigma_px, sigma_deg,
 };
@@ -19,7 +20,7 @@ use crate::pass::{self, Extent};
 use crate::tiles::Tiles;
 use experiments::display::Display;
 
-pub(crate) const WGSL: &str = include_str!("low_passed.wgsl");
+pub(crate) const WGSL: &str = concat!(include_str!("gaussian.wgsl"), "\n", include_str!("low_passed.wgsl"));
 
 /// Half floats would round at every stage, and the roundings would add up.
 const WORKING_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -39,19 +40,48 @@ const SPLINE_MARGIN: u32 = 2;
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct Uniform {
-    geometry: GeometryUniform,
+    gaussian: GaussianUniform,
     sigma_rad: f32,
-    truncation: f32,
-    table_from_px: f32,
-    table_to_px: f32,
-    display_size: [i32; 2],
+    margin: f32,
     grid_size: [i32; 2],
     grid_step: [f32; 2],
     shrink_variance: [f32; 2],
     spent_variance: [f32; 2],
-    margin: f32,
+    reserved: [f32; 2],
+}
+
+/// `Gaussian` of `gaussian.wgsl`.
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(crate) struct GaussianUniform {
+    geometry: GeometryUniform,
+    display_size: [i32; 2],
+    truncation: f32,
     reserved: f32,
+    table_from_px: f32,
+    table_to_px: f32,
+    reserved2: [f32; 2],
     table: [f32; TABLE_STEPS + 1],
+}
+
+impl GaussianUniform {
+    /// The filter's shape on `display`, with the eye turned to `gaze_deg`.
+    pub(crate) fn new(display: &Display, gaze_deg: [f64; 2]) -> Self {
+        let table = std::array::from_fn(|i| {
+            let share = i as f64 / TABLE_STEPS as f64;
+            effective_sigma_px(CORRECTED_FROM_PX + share * (CORRECTED_TO_PX - CORRECTED_FROM_PX)) as f32
+        });
+        Self {
+            geometry: GeometryUniform::new(display, gaze_deg),
+            display_size: display.resolution_px().map(|x| x as i32),
+            truncation: TRUNCATION as f32,
+            reserved: 0.0,
+            table_from_px: CORRECTED_FROM_PX as f32,
+            table_to_px: CORRECTED_TO_PX as f32,
+            reserved2: [0.0; 2],
+            table,
+        }
+    }
 }
 
 /// How the filter is computed.
@@ -176,19 +206,23 @@ enum Kind {
     Enlarge,
 }
 
-const KINDS: [(Kind, &str); 6] = [
-    (Kind::Direct, "direct"),
-    (Kind::ShrinkColumns, "shrink_columns"),
-    (Kind::ShrinkRows, "shrink_rows"),
-    (Kind::Rows, "along_rows"),
-    (Kind::Columns, "along_columns"),
-    (Kind::Enlarge, "enlarge"),
+/// Every kind with its entry, and whether it makes the result; the columns do where there is no coarser grid.
+const KINDS: [(Kind, &str, bool); 7] = [
+    (Kind::Direct, "direct", true),
+    (Kind::ShrinkColumns, "shrink_columns", false),
+    (Kind::ShrinkRows, "shrink_rows", false),
+    (Kind::Rows, "along_rows", false),
+    (Kind::Columns, "along_columns", false),
+    (Kind::Columns, "along_columns", true),
+    (Kind::Enlarge, "enlarge", true),
 ];
 
 /// One kind of stage, ready to run: its pipeline, and its working texture, made when first needed and kept while large
 /// enough.
 struct Workshop {
     kind: Kind,
+    is_last: bool,
+    format: wgpu::TextureFormat,
     pipeline: wgpu::RenderPipeline,
     texture: Option<wgpu::Texture>,
 }
@@ -196,6 +230,7 @@ struct Workshop {
 /// A stage at one detail limit.
 struct Stage {
     kind: Kind,
+    is_last: bool,
     source_size: [u32; 2],
     tiles: Tiles,
     bind_group: wgpu::BindGroup,
@@ -213,27 +248,46 @@ struct Chain {
 /// The low-passed picture of one display.
 pub(crate) struct LowPassed {
     display: Display,
-    table: [f32; TABLE_STEPS + 1],
+    gaussian: GaussianUniform,
     workshops: Vec<Workshop>,
     chain: Option<Chain>,
 }
 
 impl LowPassed {
-    /// Nothing made yet.
+    /// Nothing made yet. The result is kept as full floats.
     pub(crate) fn new(gpu: &Gpu, display: &Display) -> Self {
-        let table = std::array::from_fn(|i| {
-            let share = i as f64 / TABLE_STEPS as f64;
-            effective_sigma_px(CORRECTED_FROM_PX + share * (CORRECTED_TO_PX - CORRECTED_FROM_PX)) as f32
-        });
-        let workshops = KINDS
-            .iter()
-            .map(|&(kind, entry)| Workshop {
-                kind,
-                pipeline: pass::pipeline(gpu, entry, WGSL, entry, WORKING_FORMAT),
-                texture: None,
-            })
-            .collect();
-        Self { display: display.clone(), table, workshops, chain: None }
+        Self::kept_as(gpu, display, WORKING_FORMAT)
+    }
+
+    /// Nothing made yet. The result is kept as half floats, which takes half the memory and rounds once more.
+    pub(crate) fn kept_as_halves(gpu: &Gpu, display: &Display) -> Self {
+        Self::kept_as(gpu, display, LINEAR_FORMAT)
+    }
+
+    fn kept_as(gpu: &Gpu, display: &Display, result_format: wgpu::TextureFormat) -> Self {
+        let workshop = |&(kind, entry, is_last): &(Kind, &str, bool)| {
+            let format = if is_last { result_format } else { WORKING_FORMAT };
+            let rounds = [("ROUNDS", f64::from(u8::from(format != WORKING_FORMAT)))];
+            let pipeline = pass::pipeline_with(gpu, entry, WGSL, entry, format, &rounds);
+            Workshop { kind, is_last, format, pipeline, texture: None }
+        };
+        Self {
+            display: display.clone(),
+            gaussian: GaussianUniform::new(display, [0.0; 2]),
+            workshops: KINDS.iter().map(workshop).collect(),
+            chain: None,
+        }
+    }
+
+    /// Another one with the same pipelines and nothing made yet, for a second detail limit at the same time.
+    pub(crate) fn another(&self) -> Self {
+        let workshop = |w: &Workshop| Workshop { pipeline: w.pipeline.clone(), texture: None, ..*w };
+        Self {
+            display: self.display.clone(),
+            gaussian: self.gaussian,
+            workshops: self.workshops.iter().map(workshop).collect(),
+            chain: None,
+        }
     }
 
     /// Forgets what was made, because the reference picture is another.
@@ -269,7 +323,7 @@ impl LowPassed {
             missing.push(boxes);
         }
         for (stage, boxes) in chain.stages.iter().zip(missing.iter().rev()) {
-            let workshop = self.workshops.iter().find(|workshop| workshop.kind == stage.kind);
+            let workshop = self.workshops.iter().find(|w| (w.kind, w.is_last) == (stage.kind, stage.is_last));
             if let Some(workshop) = workshop.filter(|_| !boxes.is_empty()) {
                 pass::draw(encoder, &workshop.pipeline, &stage.bind_group, &stage.target, Extent::Boxes(boxes));
             }
@@ -283,12 +337,22 @@ impl LowPassed {
         let uniform = pass::uniform(gpu, &self.uniform(&method, mar_deg));
         let mut stages = Vec::with_capacity(method.kinds.len());
         let (mut source, mut source_size) = (reference.clone(), resolution);
-        for &kind in method.kinds {
+        for (index, &kind) in method.kinds.iter().enumerate() {
             let size = method.output_size(kind, resolution);
-            let Some(workshop) = self.workshops.iter_mut().find(|workshop| workshop.kind == kind) else { continue };
+            let is_last = index + 1 == method.kinds.len();
+            let Some(workshop) = self.workshops.iter_mut().find(|w| (w.kind, w.is_last) == (kind, is_last)) else {
+                continue;
+            };
             let bind_group = pass::bind(gpu, &workshop.pipeline, &uniform, &[&source]);
-            let target = pass::view(pass::at_least(gpu, &mut workshop.texture, "low-passed", size, WORKING_FORMAT));
-            stages.push(Stage { kind, source_size, tiles: Tiles::new(size), bind_group, target: target.clone() });
+            let target = pass::view(pass::at_least(gpu, &mut workshop.texture, "low-passed", size, workshop.format));
+            stages.push(Stage {
+                kind,
+                is_last,
+                source_size,
+                tiles: Tiles::new(size),
+                bind_group,
+                target: target.clone(),
+            });
             (source, source_size) = (target, size);
         }
         Chain { mar_deg, method, stages, filtered: source }
@@ -297,19 +361,14 @@ impl LowPassed {
     fn uniform(&self, method: &Method, mar_deg: f64) -> Uniform {
         let spent = |axis: usize| method.shrink_variance[axis] + method.spline_variance[axis];
         Uniform {
-            geometry: GeometryUniform::new(&self.display, [0.0; 2]),
+            gaussian: self.gaussian,
             sigma_rad: sigma_deg(mar_deg).to_radians() as f32,
-            truncation: TRUNCATION as f32,
-            table_from_px: CORRECTED_FROM_PX as f32,
-            table_to_px: CORRECTED_TO_PX as f32,
-            display_size: self.display.resolution_px().map(|x| x as i32),
+            margin: method.margin as f32,
             grid_size: method.grid_size.map(|x| x as i32),
             grid_step: method.step_px.map(|x| x as f32),
             shrink_variance: method.shrink_variance.map(|x| x as f32),
             spent_variance: std::array::from_fn(|axis| spent(axis) as f32),
-            margin: method.margin as f32,
-            reserved: 0.0,
-            table: self.table,
+            reserved: [0.0; 2],
         }
     }
 }

@@ -1,15 +1,11 @@
 // The picture without detail finer than omega: a Gaussian that is round in visual angle, an ellipse on the display.
-// `foveation/low_pass.rs` defines its shape; `low_passed.rs` says which stages follow one another.
+// `gaussian.wgsl` holds its shape; `low_passed.rs` says which stages follow one another.
 
 struct LowPass {
-    geometry: Geometry,
+    gaussian: Gaussian,
     sigma_rad: f32,
-    // Standard deviations after which the Gaussian ends.
-    truncation: f32,
-    // Bounds of the table of `effective_sigma_px`.
-    table_from_px: f32,
-    table_to_px: f32,
-    display_size: vec2i,
+    // Samples by which the output of `along_columns` reaches past the grid on every side.
+    margin: f32,
     // Samples of the grid on which the wide filter works, and display pixels between them.
     grid_size: vec2i,
     grid_step: vec2f,
@@ -17,48 +13,18 @@ struct LowPass {
     shrink_variance: vec2f,
     // Variance of the low-pass before the grid and of the enlargement after it, display pixels squared.
     spent_variance: vec2f,
-    // Samples by which the output of `along_columns` reaches past the grid on every side.
-    margin: f32,
-    reserved: f32,
-    table: array<vec4f, 16>,
+    reserved: vec2f,
 }
+
+// Whether the result goes into half floats.
+override ROUNDS: bool = false;
 
 @group(0) @binding(0) var<uniform> u: LowPass;
 @group(0) @binding(1) var source: texture_2d<f32>;
 
-const TABLE_STEPS: f32 = 63.0;
-
-fn table_entry(index: u32) -> f32 {
-    return u.table[index >> 2u][index & 3u];
-}
-
-// Factor on the standard deviation of a Gaussian that is sampled at the pixels.
-fn sampled_gaussian_factor(sigma_px: f32) -> f32 {
-    if sigma_px >= u.table_to_px {
-        return 1.0;
-    }
-    if sigma_px <= u.table_from_px {
-        return table_entry(0u) / u.table_from_px;
-    }
-    let place = (sigma_px - u.table_from_px) / (u.table_to_px - u.table_from_px) * TABLE_STEPS;
-    let index = min(u32(place), u32(TABLE_STEPS) - 1u);
-    return mix(table_entry(index), table_entry(index + 1u), place - f32(index)) / sigma_px;
-}
-
-// Covariance of the filter at a place of the display: xx, xy, yy in display pixels squared, y down.
-fn covariance(px: vec2f) -> vec3f {
-    let p = plane_from_px(u.geometry, px);
-    let pitch = u.geometry.pitch_per_distance;
-    let stretch = 1.0 + dot(p, p);
-    let mean_px = u.sigma_rad * pow(stretch, 0.75) * inverseSqrt(pitch.x * pitch.y);
-    let sigma = u.sigma_rad * sampled_gaussian_factor(mean_px);
-    let in_plane = sigma * sigma * stretch * vec3f(1.0 + p.x * p.x, -p.x * p.y, 1.0 + p.y * p.y);
-    return in_plane / vec3f(pitch.x * pitch.x, pitch.x * pitch.y, pitch.y * pitch.y);
-}
-
 // What the other stages leave to do at a place, in steps of the grid.
 fn remaining_covariance(px: vec2f) -> vec3f {
-    let left = covariance(px) - vec3f(u.spent_variance.x, 0.0, u.spent_variance.y);
+    let left = covariance(u.sigma_rad, px) - vec3f(u.spent_variance.x, 0.0, u.spent_variance.y);
     let s = u.grid_step;
     return left / vec3f(s.x * s.x, s.x * s.y, s.y * s.y);
 }
@@ -68,9 +34,11 @@ fn source_at(x: i32, row: i32, width: i32) -> vec3f {
     return textureLoad(source, vec2i(mirrored(x, width), row), 0).rgb;
 }
 
-// Samples on either side of the middle one within the Gaussian: those whose middle lies in it, and halves.
-fn taps(variance: f32) -> i32 {
-    return i32(u.truncation * sqrt(variance) + 0.5);
+fn result(colour: vec3f) -> vec4f {
+    if ROUNDS {
+        return half_colour(colour);
+    }
+    return vec4f(colour, 1.0);
 }
 
 // Onto the grid's columns, low-passed along x far enough not to alias.
@@ -79,14 +47,14 @@ fn shrink_columns(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let row = i32(position.y);
     let centre = position.x * u.grid_step.x - 0.5;
     let variance = max(u.shrink_variance.x, 1e-6);
-    let reach = u.truncation * sqrt(variance);
+    let reach = u.gaussian.truncation * sqrt(variance);
     let factor = -0.5 / variance;
     var sum = vec3f(0.0);
     var total = 0.0;
     for (var x = i32(ceil(centre - reach)); x <= i32(floor(centre + reach)); x++) {
         let dx = f32(x) - centre;
         let weight = exp(factor * dx * dx);
-        sum += weight * source_at(x, row, u.display_size.x);
+        sum += weight * source_at(x, row, u.gaussian.display_size.x);
         total += weight;
     }
     return vec4f(sum / total, 1.0);
@@ -98,14 +66,14 @@ fn shrink_rows(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let column = i32(position.x);
     let centre = position.y * u.grid_step.y - 0.5;
     let variance = max(u.shrink_variance.y, 1e-6);
-    let reach = u.truncation * sqrt(variance);
+    let reach = u.gaussian.truncation * sqrt(variance);
     let factor = -0.5 / variance;
     var sum = vec3f(0.0);
     var total = 0.0;
     for (var y = i32(ceil(centre - reach)); y <= i32(floor(centre + reach)); y++) {
         let dy = f32(y) - centre;
         let weight = exp(factor * dy * dy);
-        sum += weight * textureLoad(source, vec2i(column, mirrored(y, u.display_size.y)), 0).rgb;
+        sum += weight * textureLoad(source, vec2i(column, mirrored(y, u.gaussian.display_size.y)), 0).rgb;
         total += weight;
     }
     return vec4f(sum / total, 1.0);
@@ -160,7 +128,7 @@ fn along_columns(@builtin(position) position: vec4f) -> @location(0) vec4f {
         sum += weight * row_between(column + slant * dy, mirrored(row + k, u.grid_size.y));
         total += weight;
     }
-    return vec4f(sum / total, 1.0);
+    return result(sum / total);
 }
 
 // Weights of the uniform cubic B-spline, whose variance is 1/3 of a step squared.
@@ -185,26 +153,11 @@ fn enlarge(@builtin(position) position: vec4f) -> @location(0) vec4f {
         }
         sum += down[j] * row;
     }
-    return vec4f(sum, 1.0);
+    return result(sum);
 }
 
 // The whole filter at once, from the full-resolution picture.
 @fragment
 fn direct(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let here = vec2i(position.xy);
-    let c = covariance(position.xy);
-    let inverse = vec3f(c.z, -c.y, c.x) / (c.x * c.z - c.y * c.y);
-    let reach = vec2i(taps(c.x), taps(c.z));
-    var sum = vec3f(0.0);
-    var total = 0.0;
-    for (var y = -reach.y; y <= reach.y; y++) {
-        let row = mirrored(here.y + y, u.display_size.y);
-        for (var x = -reach.x; x <= reach.x; x++) {
-            let d = vec2f(f32(x), f32(y));
-            let weight = exp(-0.5 * (inverse.x * d.x * d.x + 2.0 * inverse.y * d.x * d.y + inverse.z * d.y * d.y));
-            sum += weight * source_at(here.x + x, row, u.display_size.x);
-            total += weight;
-        }
-    }
-    return vec4f(sum / total, 1.0);
+    return result(direct_sum(source, vec2i(position.xy), covariance(u.sigma_rad, position.xy)));
 }

@@ -1,6 +1,7 @@
-//! The renderers, one Rust file and one WGSL file each; [`low_passed`] is the filter that the ring shows. Add a line to
+//! The renderers, one Rust file and one WGSL file each; [`low_passed`] is the filter that the ring and the falloff show. Add a line to
 //! [`crate::registry`] for a new one.
 
+pub(crate) mod falloff;
 pub(crate) mod layers;
 pub(crate) mod low_passed;
 pub(crate) mod reference;

@@ -2,6 +2,7 @@
 
 pub(crate) mod noise;
 pub(crate) mod orbit;
+pub(crate) mod patch;
 pub(crate) mod photo;
 
 use crate::contract::View;

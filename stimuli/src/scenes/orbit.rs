@@ -1,16 +1,16 @@
 //! A small courtyard, ray-cast in one shader: columns, plinths, mirrors and painted spheres on a paved floor under an
-//! environment map, seen by a camera that circles it. The camera's rays pass through the display's own pixels, so a
+//! environment map, seen by a camera that circles it, pans, or stands still. The camera's rays pass through the display's own pixels, so a
 //! degree in the scene is a degree on the display, whatever its size and distance.
 
 use super::ViewUniform;
 use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
 use crate::geometry::GeometryUniform;
 use crate::gpu::Gpu;
-use crate::parameters::number;
+use crate::parameters::{number, text};
 use crate::pass::{self, Extent};
 use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
 use experiments::display::Display;
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DQuat, DVec3, Vec3, Vec4};
 use std::f64::consts::{PI, TAU};
 
 pub(crate) const WGSL: &str = include_str!("orbit.wgsl");
@@ -27,15 +27,22 @@ pub(crate) fn info() -> SceneInfo {
     SceneInfo {
         id: "orbit".to_owned(),
         version: 1,
-        about: "A ray-cast courtyard of columns and spheres under an environment map, seen by a circling camera."
-            .to_owned(),
+        about:
+            "A ray-cast courtyard of columns and spheres under an environment map, seen by a circling, a panning or a \
+                still camera."
+                .to_owned(),
         parameters: vec![
+            ParameterSchema::choice(
+                "camera",
+                &["fly", "pan", "static"],
+                "The camera's motion: it circles the court, or stops at its start and looks left and right, or stands still.",
+            ),
             ParameterSchema::number(
                 "camera_speed",
                 "°/s",
                 -90.0..=90.0,
                 6.0,
-                "How fast the camera circles the court; at 0 the picture stands still.",
+                "How fast the camera circles the court, or at most pans; at 0 the picture stands still.",
             ),
             ParameterSchema::number(
                 "camera_start_deg",
@@ -86,6 +93,8 @@ const COLUMNS: usize = 8;
 const COLUMN_RING: f64 = 14.0;
 /// Distance of the camera from the middle.
 const CAMERA_RING: f64 = 11.0;
+/// How far a panning camera looks to either side, degrees: some of the court stays in view on a display of 30°.
+const PAN_DEG: f64 = 15.0;
 
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -112,8 +121,40 @@ struct Orbit {
     pipeline: wgpu::RenderPipeline,
     environment: wgpu::TextureView,
     light: Light,
-    camera_speed_deg_s: f64,
+    motion: Motion,
     camera_start_deg: f64,
+}
+
+/// What the camera does: Guenter et al. 2012, §6, had it fly at six speeds, stop and pan, and stand still.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Motion {
+    /// Circling the court, degrees per second.
+    Fly(f64),
+    /// Turning about its own vertical to and fro, degrees per second in the middle of the sweep.
+    Pan(f64),
+    Still,
+}
+
+impl Motion {
+    fn read(parameters: &Parameters) -> Result<Self, MakeError> {
+        let speed_deg_s = number(parameters, "camera_speed")?;
+        Ok(match text(parameters, "camera")? {
+            _ if speed_deg_s.abs() <= 0.0 => Self::Still,
+            "static" => Self::Still,
+            "pan" => Self::Pan(speed_deg_s),
+            _ => Self::Fly(speed_deg_s),
+        })
+    }
+
+    /// How far the camera has come on its circle, degrees.
+    fn along_deg(self, animation_s: f64) -> f64 {
+        if let Self::Fly(speed_deg_s) = self { speed_deg_s * animation_s } else { 0.0 }
+    }
+
+    /// How far it looks aside, degrees.
+    fn aside_deg(self, animation_s: f64) -> f64 {
+        if let Self::Pan(speed_deg_s) = self { PAN_DEG * (speed_deg_s / PAN_DEG * animation_s).sin() } else { 0.0 }
+    }
 }
 
 pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
@@ -132,7 +173,7 @@ pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Res
         pipeline: pass::pipeline(gpu, "orbit", WGSL, "orbit", crate::LINEAR_FORMAT),
         environment: pass::view(&pass::half_texture(gpu, "environment", size, &texels)),
         light: Light::of(&radiance, size),
-        camera_speed_deg_s: number(parameters, "camera_speed")?,
+        motion: Motion::read(parameters)?,
         camera_start_deg: number(parameters, "camera_start_deg")?,
     }))
 }
@@ -202,10 +243,11 @@ fn harmonic_basis(d: Vec3) -> [f32; 9] {
 impl Orbit {
     fn uniform(&self, view: &View, animation_s: f64) -> Uniform {
         // The camera circles the court within its columns' ring and looks slightly down, bobbing once a turn and a half.
-        let angle = (self.camera_start_deg + self.camera_speed_deg_s * animation_s).to_radians();
+        let angle = (self.camera_start_deg + self.motion.along_deg(animation_s)).to_radians();
         let height = 1.75 + 0.25 * (1.5 * angle).sin();
         let eye = DVec3::new(CAMERA_RING * angle.cos(), height, CAMERA_RING * angle.sin());
-        let forward = (DVec3::new(0.0, 1.25, 0.0) - eye).normalize();
+        let ahead = (DVec3::new(0.0, 1.25, 0.0) - eye).normalize();
+        let forward = DQuat::from_rotation_y(self.motion.aside_deg(animation_s).to_radians()) * ahead;
         let right = forward.cross(DVec3::Y).normalize();
         let up = right.cross(forward);
         let extend = |v: DVec3| v.as_vec3().extend(0.0);
@@ -248,7 +290,7 @@ impl Scene for Orbit {
     }
 
     fn picture_changes(&self, from_s: f64, to_s: f64) -> bool {
-        self.camera_speed_deg_s != 0.0 && from_s != to_s
+        self.motion != Motion::Still && from_s != to_s
     }
 
     fn identity(&self) -> SceneIdentity {

@@ -12,6 +12,11 @@ use experiments::display::Display;
 
 pub(crate) const WGSL: &str = include_str!("photo.wgsl");
 
+/// Names of the shipped photographs.
+pub(super) fn names() -> [&'static str; 4] {
+    PHOTOGRAPHS.map(|(name, _)| name)
+}
+
 /// The shipped photographs, sRGB; their licences are in `assets/LICENSES.md`.
 const PHOTOGRAPHS: [(&str, &[u8]); 4] = [
     ("gravel", include_bytes!("../../assets/photographs/gravel.png")),
@@ -28,7 +33,7 @@ pub(crate) fn info() -> SceneInfo {
         parameters: vec![
             ParameterSchema::choice(
                 "image",
-                &PHOTOGRAPHS.map(|(name, _)| name),
+                &names(),
                 "Which photograph: gravel and grass have fine detail everywhere, chelsea and coffee are in colour.",
             ),
             ParameterSchema::number(
@@ -63,27 +68,45 @@ struct Photo {
 }
 
 pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
-    let image = text(parameters, "image")?;
-    let (name, bytes) = PHOTOGRAPHS.into_iter().find(|(name, _)| *name == image).unwrap_or(PHOTOGRAPHS[0]);
-    let decoded = image::load_from_memory_with_format(bytes, image::ImageFormat::Png)
-        .map_err(|error| MakeError::Asset { name, reason: error.to_string() })?
-        .into_rgb8();
-    let linear: Vec<[f32; 4]> = decoded
-        .pixels()
-        .map(|p| [linear_from_srgb8(p[0]), linear_from_srgb8(p[1]), linear_from_srgb8(p[2]), 1.0])
-        .collect();
-    let size = [decoded.width(), decoded.height()];
-    let scale = number(parameters, "scale")?;
-    let unscaled = [("UNSCALED", f64::from(u8::from(scale == 1.0)))];
-    let pipeline = |entry| pass::pipeline_with(gpu, entry, WGSL, entry, crate::LINEAR_FORMAT, &unscaled);
-    Ok(Box::new(Photo {
-        identity: SceneIdentity::new(),
-        pipeline: pipeline("photo"),
-        sampled: pipeline("photo_sampled"),
-        photograph: pass::view(&pass::half_texture(gpu, name, size, &linear)),
-        tile_px: std::array::from_fn(|axis| first_tile_px(display.resolution_px()[axis], size[axis], scale) as f32),
-        scale: scale as f32,
-    }))
+    let photograph = Photograph::decode(text(parameters, "image")?)?;
+    Ok(photograph.in_tiles(gpu, display, number(parameters, "scale")?))
+}
+
+/// A picture in linear light, RGBA from the top left row by row.
+pub(super) struct Photograph {
+    pub(super) name: &'static str,
+    pub(super) size: [u32; 2],
+    pub(super) linear: Vec<[f32; 4]>,
+}
+
+impl Photograph {
+    /// The shipped photograph called `image`.
+    pub(super) fn decode(image: &str) -> Result<Self, MakeError> {
+        let (name, bytes) = PHOTOGRAPHS.into_iter().find(|(name, _)| *name == image).unwrap_or(PHOTOGRAPHS[0]);
+        let decoded = image::load_from_memory_with_format(bytes, image::ImageFormat::Png)
+            .map_err(|error| MakeError::Asset { name, reason: error.to_string() })?
+            .into_rgb8();
+        let linear: Vec<[f32; 4]> = decoded
+            .pixels()
+            .map(|p| [linear_from_srgb8(p[0]), linear_from_srgb8(p[1]), linear_from_srgb8(p[2]), 1.0])
+            .collect();
+        Ok(Self { name, size: [decoded.width(), decoded.height()], linear })
+    }
+
+    /// The scene that covers the display with it: the unmirrored tile in the middle, `scale` display pixels to a pixel.
+    pub(super) fn in_tiles(&self, gpu: &Gpu, display: &Display, scale: f64) -> Box<dyn Scene> {
+        let size = self.size;
+        let unscaled = [("UNSCALED", f64::from(u8::from(scale == 1.0)))];
+        let pipeline = |entry| pass::pipeline_with(gpu, entry, WGSL, entry, crate::LINEAR_FORMAT, &unscaled);
+        Box::new(Photo {
+            identity: SceneIdentity::new(),
+            pipeline: pipeline("photo"),
+            sampled: pipeline("photo_sampled"),
+            photograph: pass::view(&pass::half_texture(gpu, self.name, size, &self.linear)),
+            tile_px: std::array::from_fn(|axis| first_tile_px(display.resolution_px()[axis], size[axis], scale) as f32),
+            scale: scale as f32,
+        })
+    }
 }
 
 /// Where the middle, unmirrored tile begins: centred on the display, at a whole pixel so that texels stay exact.

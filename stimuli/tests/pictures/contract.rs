@@ -63,6 +63,8 @@ fn a_flat_grey_stays_flat() {
         ("ring", numbers([("mar_deg", 0.3)])),
         ("ring", numbers([("mar_deg", 1.5)])),
         ("ring", numbers([("mar_deg", 20.0), ("width_deg", 20.0)])),
+        ("gaussian-falloff", numbers([("radius_deg", 2.0)])),
+        ("gaussian-falloff", numbers([("radius_deg", 0.0), ("rate", 0.1)])),
     ];
     let mut worst: f32 = 0.0;
     for (renderer, parameters) in settings {
@@ -80,7 +82,8 @@ fn parameters_can_change_between_frames() {
     let display = display([160, 90], [500.0, 281.0], 600.0);
     let none = Parameters::new();
     let frame = looking_at([0.0, 0.0]);
-    for (renderer, name, value) in [("ring", "mar_deg", 3.0), ("layers", "m", 0.1)] {
+    for (renderer, name, value) in [("ring", "mar_deg", 3.0), ("layers", "m", 0.1), ("gaussian-falloff", "rate", 0.05)]
+    {
         let changed = numbers([(name, value)]);
         let (fresh, _) = Setup::new(&display, ("photo", &none), (renderer, &changed)).frame(&frame);
         let mut setup = Setup::new(&display, ("photo", &none), (renderer, &none));

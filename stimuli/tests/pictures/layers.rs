@@ -59,3 +59,19 @@ fn a_photograph_keeps_its_mean_in_every_layer() {
     println!("mean {sharp:.5}, in layers {shown:.5}");
     assert!((shown / sharp - 1.0).abs() < 5e-3);
 }
+
+/// Guenter 2012, §5: quality index 12 is the slope 0.0275, and 15 is 0.0220.
+#[test]
+fn the_quality_index_sets_the_slope_in_place_of_m() {
+    let display = display([160, 90], [597.0, 335.8], 400.0);
+    let none = Parameters::new();
+    let frame =
+        |values: &Parameters| Setup::new(&display, ("photo", &none), ("layers", values)).frame(&looking_at([3.0, 1.0]));
+    for (quality_index, m) in [(12.0, 0.0275), (15.0, 0.022)] {
+        assert!(frame(&numbers([("quality_index", quality_index), ("m", 0.5)])) == frame(&numbers([("m", m)])));
+    }
+    assert!(frame(&numbers([("quality_index", 0.0), ("m", 0.5)])) == frame(&numbers([("m", 0.5)])));
+    assert!(frame(&numbers([("quality_index", 4.0)])).0 != frame(&numbers([("quality_index", 22.0)])).0);
+    // However coarse, it is still a picture.
+    assert!(frame(&numbers([("quality_index", 1e-6)])).0.iter().all(|x| x.is_finite()));
+}

@@ -6,6 +6,7 @@
 
 mod common;
 mod contract;
+mod falloff;
 mod layers;
 mod oracle;
 mod ring;

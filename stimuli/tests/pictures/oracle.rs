@@ -1,4 +1,4 @@
-//! The ring computed another way: a direct two-dimensional sum in f64 over the mirrored reference, out to five standard
+//! The filters computed another way: a direct two-dimensional sum in f64 over the mirrored reference, out to five standard
 //! deviations, with the covariance of the pixel that is shown.
 
 use crate::common::pixel_centre;
@@ -36,7 +36,13 @@ pub(crate) fn ring_pixel(
     if mask <= 0.0 {
         return sharp;
     }
-    let c = Covariance::at(display, centre, settings.mar_deg);
+    let filtered = filtered_pixel(display, reference, settings.mar_deg, index);
+    std::array::from_fn(|channel| sharp[channel] * (1.0 - mask) + mask * filtered[channel])
+}
+
+/// RGB of pixel `index` of the reference without detail finer than `mar_deg`.
+pub(crate) fn filtered_pixel(display: &Display, reference: &[f32], mar_deg: f64, index: usize) -> [f64; 3] {
+    let c = Covariance::at(display, pixel_centre(display, index), mar_deg);
     let det = c.xx * c.yy - c.xy * c.xy;
     let [width, height] = display.resolution_px().map(i64::from);
     let (column, row) = (index as i64 % width, index as i64 / width);
@@ -53,5 +59,5 @@ pub(crate) fn ring_pixel(
             total += weight;
         }
     }
-    std::array::from_fn(|channel| sharp[channel] * (1.0 - mask) + mask * sum[channel] / total)
+    sum.map(|sum| sum / total)
 }

@@ -84,8 +84,9 @@ fn noise_is_white_and_uniform() {
 fn the_court_moves_with_time_unless_it_stands_still() {
     let display = display([160, 90], [597.0, 335.8], 1100.0);
     let none = Parameters::new();
-    let still = numbers([("camera_speed", 0.0)]);
-    for (parameters, moves) in [(&none, true), (&still, false)] {
+    let stopped = numbers([("camera_speed", 0.0)]);
+    let (panning, still) = (named("camera", "pan"), named("camera", "static"));
+    for (parameters, moves) in [(&none, true), (&panning, true), (&stopped, false), (&still, false)] {
         let mut setup = Setup::new(&display, ("orbit", parameters), ("reference", &none));
         let (first, cost) = setup.frame(&looking_at([0.0; 2]));
         assert_eq!(cost.rays_traced, display.pixels());
@@ -94,4 +95,118 @@ fn the_court_moves_with_time_unless_it_stands_still() {
         assert_eq!(cost.rays_traced > 0, moves);
         assert_eq!(setup.scene.picture_changes(0.0, 0.5), moves);
     }
+}
+
+/// Eight camera motions (Guenter 2012, §6): they begin with the same picture, flying and panning at any speed differ later,
+/// and a pan comes back to where it began: after a whole sweep of ±15° at 6°/s at most, 2π · 15 / 6 s.
+#[test]
+fn the_camera_flies_pans_or_stands() {
+    let display = display([160, 90], [597.0, 335.8], 1100.0);
+    let motion = |camera: &str, speed: f64| {
+        let mut parameters = named("camera", camera);
+        parameters.extend(numbers([("camera_speed", speed)]));
+        parameters
+    };
+    let at = |parameters: &Parameters, animation_s: f64| {
+        let mut setup = Setup::new(&display, ("orbit", parameters), ("reference", &Parameters::new()));
+        setup.frame(&FrameInput { animation_s, ..FrameInput::default() }).0
+    };
+    let start = at(&motion("static", 6.0), 0.0);
+    let mut later = vec![at(&motion("static", 6.0), 2.0)];
+    assert!(later[0] == start);
+    for (camera, speed) in [("fly", 2.0), ("fly", 6.0), ("fly", 18.0), ("pan", 6.0), ("pan", -6.0)] {
+        assert!(at(&motion(camera, speed), 0.0) == start, "{camera} {speed}");
+        let picture = at(&motion(camera, speed), 2.0);
+        assert!(!later.contains(&picture), "{camera} {speed}");
+        later.push(picture);
+    }
+    let sweep_s = std::f64::consts::TAU * 15.0 / 6.0;
+    let apart =
+        |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / a.len() as f64;
+    let back = at(&motion("pan", 6.0), sweep_s);
+    let aside = at(&motion("pan", 6.0), 0.25 * sweep_s);
+    println!("after a sweep {:.2e} from the start, in its middle {:.2e}", apart(&back, &start), apart(&aside, &start));
+    assert!(apart(&back, &start) < 1e-3 && apart(&aside, &start) > 0.02);
+}
+
+fn patch(image: &str, values: &[(&str, f64)]) -> Parameters {
+    let mut parameters = named("image", image);
+    parameters.extend(
+        values.iter().map(|&(name, value)| (name.to_owned(), experiments::catalogue::ParameterValue::Number(value))),
+    );
+    parameters
+}
+
+/// By hand: texel of the photograph under every pixel of the display, with the unmirrored patch in the middle.
+#[test]
+fn a_patch_is_tiled_in_mirrors() {
+    let photograph = image::load_from_memory(COFFEE).unwrap().into_rgb8();
+    let display = display([301, 200], [300.0, 200.0], 600.0);
+    let (left, top, side) = (210_i64, 97_i64, 40_i64);
+    let values = [("left_px", left as f64), ("top_px", top as f64), ("size_px", side as f64)];
+    let shown = reference(&display, ("patch", &patch("coffee", &values)));
+    let colour = |x: i64, y: i64| &shown[4 * (y * 301 + x) as usize..][..3];
+    // (301 − 40) / 2 and (200 − 40) / 2, rounded down.
+    let first = [130, 80];
+    // Counted forwards in even tiles, backwards in odd ones.
+    let texel = |px: i64, first: i64| {
+        let (tile, within) = ((px - first).div_euclid(side), (px - first).rem_euclid(side));
+        if tile.rem_euclid(2) == 0 { within } else { side - 1 - within }
+    };
+    for y in 0..200 {
+        for x in 0..301 {
+            let source = photograph.get_pixel((left + texel(x, first[0])) as u32, (top + texel(y, first[1])) as u32);
+            for c in 0..3 {
+                let (expected, found) = (linear_from_srgb8(source[c]), colour(x, y)[c]);
+                assert!((found - expected).abs() <= expected / 2048.0 + 1e-7, "({x}, {y}): {found} is not {expected}");
+            }
+        }
+    }
+    // Neighbouring tiles are mirror images about the seam between them, so that the two pixels at a seam are the same.
+    for seam in [first[0] - side, first[0], first[0] + side] {
+        for k in 0..side {
+            for y in 0..200 {
+                assert_eq!(colour(seam + k, y), colour(seam - 1 - k, y), "column {k} from the seam at {seam}");
+            }
+        }
+    }
+    for seam in [first[1] - side, first[1], first[1] + side] {
+        for k in 0..side {
+            for x in 0..301 {
+                assert_eq!(colour(x, seam + k), colour(x, seam - 1 - k), "row {k} from the seam at {seam}");
+            }
+        }
+    }
+}
+
+#[test]
+fn contrast_is_about_the_patch_s_own_mean() {
+    // One whole tile and no more.
+    let display = display([64, 64], [60.0, 60.0], 600.0);
+    let at = |contrast: f64| {
+        let values = [("left_px", 300.0), ("top_px", 120.0), ("size_px", 64.0), ("contrast", contrast)];
+        reference(&display, ("patch", &patch("coffee", &values)))
+    };
+    let full = at(1.0);
+    for c in 0..3 {
+        let channel = |rgba: &[f32]| rgba.chunks_exact(4).map(|p| f64::from(p[c])).collect::<Vec<_>>();
+        let full = channel(&full);
+        let mean = full.iter().sum::<f64>() / full.len() as f64;
+        for contrast in [0.0, 0.25, 0.6] {
+            for (found, full) in channel(&at(contrast)).into_iter().zip(&full) {
+                let expected = mean + contrast * (full - mean);
+                assert!((found - expected).abs() < 5e-4, "{found} is not {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_patch_that_would_stick_out_is_moved_and_shrunk() {
+    let display = display([320, 310], [300.0, 290.0], 600.0);
+    let shown = |values: &[(&str, f64)]| reference(&display, ("patch", &patch("chelsea", values)));
+    // 451×300: at most 300 wide, and then at most 151 from the left.
+    let inside = shown(&[("left_px", 151.0), ("top_px", 0.0), ("size_px", 300.0)]);
+    assert!(shown(&[("left_px", 600.0), ("top_px", 600.0), ("size_px", 512.0)]) == inside);
+    assert!(shown(&[("left_px", 150.0), ("size_px", 300.0)]) != inside);
 }
