@@ -90,7 +90,7 @@ fn every_protocol_parses_and_describes_itself() {
     // Seconds of a trial with answers of one second, by hand; words that its description must have.
     let expected: [(f64, &[&str]); 8] = [
         (0.5 + 2.0 * 0.3 + 0.3 + 1.0, &["two intervals", "which is the reference", "within 5 s"]),
-        (0.5 + 6.0 * 1.4 + 1.0, &["toggled", "\"Which one is not degraded: A or B?\"", "0.4 s of grey", "hidden"]),
+        (0.5 + 3.0 * 1.4 + 1.0, &["toggled", "\"Which one is not degraded: A or B?\"", "0.4 s of grey", "hidden"]),
         (2.0 * 8.0 + 0.5 + 1.0, &["pair", "8 s each", "black 0.5 s", "without limit"]),
         (5.0 * 5.0 + 4.0 * 0.5 + 1.0, &["ramp of mar_deg", "smaller is finer", "5 steps of 5 s"]),
         (8.0 + 3.0 + 2.0 * 2.0 + 1.0, &["slider over 6 values of width_deg from 30 to 2", "reference 8 s"]),
@@ -153,8 +153,14 @@ fn what_a_study_does_not_say_is_the_papers_or_plain() {
     let ProtocolPlan::PairedTask(plan) = block(PAIRED_TASK).protocol else { panic!() };
     let Task::Count { question, min, max, .. } = &plan.task else { panic!() };
     assert_eq!((question.as_str(), *min, *max), ("How many spheres were there?", 5, 12));
-    let follow = block(&PAIRED_TASK.replace(r#""count", "min": 5, "max": 12"#, r#""follow""#)).protocol;
-    assert!(follow.needs_moving_target() && !block(PAIRED_TASK).protocol.needs_moving_target());
+    let follow = PAIRED_TASK.replace(r#""count", "min": 5, "max": 12"#, r#""follow""#);
+    let moving =
+        study(&follow).replace(r#""renderer": "ring""#, r#""renderer": "ring", "fixation": { "kind": "moving" }"#);
+    let plan = parse(&moving).unwrap_or_else(|mistakes| panic!("{mistakes}"));
+    assert!(plan.blocks[0].protocol.needs_moving_target() && !block(PAIRED_TASK).protocol.needs_moving_target());
+    // With a fixed mark there is nothing to follow.
+    let found = parse(&study(&follow)).expect_err("nothing moves");
+    assert_eq!(found.list.iter().map(|m| m.field.as_str()).collect::<Vec<_>>(), ["blocks[0].condition"]);
 }
 
 #[test]

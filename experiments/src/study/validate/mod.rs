@@ -235,6 +235,7 @@ impl Context<'_> {
     }
 
     fn block(&self, draft: &BlockDraft, field: &Field, report: &mut Report<'_>) -> Option<BlockPlan> {
+        let before = report.count();
         let name = draft.name.as_deref().and_then(|name| checked_name(name, &field.key("name"), report));
         let named = draft.condition.as_deref().and_then(|name| self.condition(name, &field.key("condition"), report));
         // Without factors there is one cell, and its condition has been checked already.
@@ -286,7 +287,10 @@ impl Context<'_> {
             questionnaire,
         };
         design::report_impossible_order(&block, field, report);
-        agreement::report(&block, self.geometry, field, report);
+        // What is wrong in its parts would only be said again.
+        if report.count() == before {
+            agreement::report(&block, self.geometry, field, report);
+        }
         Some(block)
     }
 
