@@ -9,7 +9,7 @@ use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
 use crate::stage::launch::{OffscreenGaze, Request, StudyFile};
 use clap::Args;
-use experiments::observers::MarObserver;
+use experiments::observers::{Simulation, Truth};
 use experiments::trial::{Alternative, PhaseName, Presentation};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -34,14 +34,17 @@ pub(super) struct DemoArgs {
 }
 
 pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
-    let truth = MarObserver::parse_model(TRUTH).map_err(|error| LabError::Failed(error.to_string()))?;
+    let simulation = Simulation::parse(TRUTH).map_err(|error| LabError::Failed(error.to_string()))?;
+    let Some(Truth::Mar(truth)) = simulation.truth else {
+        return Err(LabError::Failed("the demo's observer has no MAR line".to_owned()));
+    };
     let study = inputs::study_file(STUDY)?;
     let plan = Arc::new(inputs::plan(&study, None)?);
 
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
     let request =
         Request { plan, study, observer: "SIM".to_owned(), data: args.data.clone(), seed: args.seed, earlier: None };
-    let folder = run::offscreen_with_progress(request, truth, &OffscreenGaze::Simulated, !args.no_render)?;
+    let folder = run::offscreen_with_progress(request, &simulation, &OffscreenGaze::Simulated, !args.no_render)?;
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();
     say(&format!("   {trials} trials in {}", folder.display()));
