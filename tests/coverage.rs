@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test that cannot go on should say so and stop")]
 
 use analysis::mar::Estimate;
-use experiments::observers::MarObserver;
+use experiments::observers::{Simulation, Truth};
 use experiments::session::record::Record;
 use experiments::session::simulate::simulate;
 use experiments::study::{Plan, parse_study, shipped};
@@ -31,8 +31,8 @@ struct Fitted {
 
 /// The session that `run` would have written, without its disk.
 fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
-    let mut observer = MarObserver::new(MarObserver::parse_model(TRUTH).unwrap(), seed);
-    let events = simulate(plan, seed, &mut observer);
+    let mut observer = Simulation::parse(TRUTH).unwrap().observer(seed);
+    let events = simulate(plan, seed, observer.as_mut());
     let record = Record::from_events(&events);
     assert!(record.finished, "seed {seed}");
     let header = Header {
@@ -126,7 +126,7 @@ fn the_intervals_of_m_and_omega0_hold_the_truth_as_often_as_they_say() {
     assert_eq!(all.len() as u64, SEEDS);
     let trials: Vec<usize> = all.iter().map(|one| one.trials).collect();
     println!("seeds 1 to {SEEDS}, {} to {} trials", trials.iter().min().unwrap(), trials.iter().max().unwrap());
-    let truth = MarObserver::parse_model(TRUTH).unwrap();
+    let Some(Truth::Mar(truth)) = Simulation::parse(TRUTH).unwrap().truth else { panic!("a MAR line") };
     let m = count("m", truth.m, &all, |one| one.m);
     let omega0 = count("omega0", truth.omega0_deg, &all, |one| one.omega0);
     assert!((35..=40).contains(&m), "m is held by {m} of {SEEDS}");

@@ -6,6 +6,7 @@
 //! them to the world.
 
 pub mod catalogue;
+pub mod contrast;
 pub mod design;
 pub mod display;
 pub mod gate;

@@ -10,7 +10,7 @@ use crate::session::tables::FrameRow;
 use crate::stage::launch::{OffscreenGaze, Request, StudyFile};
 use clap::Args;
 use experiments::design::assignment::Assignment;
-use experiments::observers::MarObserver;
+use experiments::observers::{Simulation, Truth};
 use experiments::trial::{Alternative, PhaseName, Presentation};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -35,7 +35,10 @@ pub(super) struct DemoArgs {
 }
 
 pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
-    let truth = MarObserver::parse_model(TRUTH).map_err(|error| LabError::Failed(error.to_string()))?;
+    let simulation = Simulation::parse(TRUTH).map_err(|error| LabError::Failed(error.to_string()))?;
+    let Some(Truth::Mar(truth)) = simulation.truth else {
+        return Err(LabError::Failed("the demo's observer has no MAR line".to_owned()));
+    };
     let study = inputs::study_file(STUDY)?;
     let assignment = Assignment::default();
     let plan = inputs::plan(&study, None)?.assigned(&assignment);
@@ -44,7 +47,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
     let (observer, data) = ("SIM".to_owned(), args.data.clone());
     let request = Request { plan, assignment, study, observer, data, seed: args.seed, earlier: None };
-    let folder = run::offscreen_with_progress(request, truth, &OffscreenGaze::Simulated, !args.no_render)?;
+    let folder = run::offscreen_with_progress(request, &simulation, &OffscreenGaze::Simulated, !args.no_render)?;
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();
     say(&format!("   {trials} trials in {}", folder.display()));

@@ -7,8 +7,7 @@ use crate::stage::launch::{
 };
 use clap::Args;
 use experiments::design::assignment::{Assignment, Earlier, next_assignment};
-use experiments::mar::MarModel;
-use experiments::observers::MarObserver;
+use experiments::observers::Simulation;
 use experiments::study::Plan;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -32,7 +31,8 @@ pub(super) struct RunArgs {
     /// Run without a window, in virtual time; needs --simulate.
     #[arg(long, requires = "simulate")]
     offscreen: bool,
-    /// A simulated observer's truth, for example omega0=0.021,m=0.022 (also width, lapse).
+    /// A simulated observer's truth, for example omega0=0.021,m=0.022 or quality_index=14,width=3,finer=up or
+    /// pixels (also lapse, bias, zone, criterion, spacing, fatigue, rt).
     #[arg(long, value_name = "TRUTH", requires = "offscreen")]
     simulate: Option<String>,
     /// Draw no pictures: everything else as fast as it goes.
@@ -124,9 +124,9 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     };
     let folder = match &args.simulate {
         Some(truth) => {
-            let model =
-                MarObserver::parse_model(truth).map_err(|error| LabError::BadInput(format!("--simulate: {error}")))?;
-            offscreen_with_progress(request, model, &gaze, !args.no_render)?
+            let simulation =
+                Simulation::parse(truth).map_err(|error| LabError::BadInput(format!("--simulate: {error}")))?;
+            offscreen_with_progress(request, &simulation, &gaze, !args.no_render)?
         }
         None => {
             let (folder, finished) = run_in_window(request, args.fullscreen)?;
@@ -165,12 +165,12 @@ fn announce(whole: &Plan, assignment: &Assignment) {
 /// Runs a session offscreen behind a progress bar; used by `demo` as well.
 pub(super) fn offscreen_with_progress(
     request: Request,
-    truth: MarModel,
+    simulation: &Simulation,
     gaze: &OffscreenGaze,
     render: bool,
 ) -> Result<PathBuf, LabError> {
     let bar = progress::bar(u64::from(request.plan.max_trials()), "trials");
-    let observer = MarObserver::new(truth, request.seed);
+    let observer = simulation.observer(request.seed);
     let folder = run_offscreen(request, observer, gaze, render, |completed| bar.set_position(u64::from(completed)))?;
     bar.finish_and_clear();
     Ok(folder)

@@ -10,7 +10,7 @@ use crate::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord
 use crate::session::{SessionFolder, SessionWriter};
 use experiments::Session;
 use experiments::design::assignment::{Assignment, Earlier};
-use experiments::observers::{MarObserver, Observer, Presented};
+use experiments::observers::{Observer, Presented};
 use experiments::session::refold::refold;
 use experiments::streams::{self, Stream};
 use experiments::study::Plan;
@@ -67,7 +67,7 @@ pub enum OffscreenGaze {
 /// When there is no graphics device, the recording or the earlier session cannot be used, or the log not be written.
 pub fn run_offscreen(
     mut request: Request,
-    mut observer: MarObserver,
+    mut observer: Box<dyn Observer>,
     gaze: &OffscreenGaze,
     render: bool,
     mut progress: impl FnMut(u32),
@@ -100,8 +100,17 @@ pub fn run_offscreen(
             // A simulated observer has drawn as many numbers as it was asked questions.
             let mut meet = |session: &Session| {
                 if let Some(phase) = session.phase() {
-                    let fixation_deg = session.plan().gaze.fixation_deg;
-                    observer.meet(&Presented { phase, trial: session.trial(), fixation_deg });
+                    let level = session.shown_level();
+                    let began_s = session.phase_began_s();
+                    observer.meet(&Presented {
+                        phase,
+                        trial: session.trial(),
+                        condition: session.condition(),
+                        level: level.as_ref(),
+                        fixation_deg: session.look_at_deg(session.animation_s(began_s)),
+                        display: &session.plan().display,
+                        t_s: began_s,
+                    });
                 }
             };
             let (runner, last_s) = go_on(&session, &request.plan, None, &mut meet)?;
@@ -112,7 +121,7 @@ pub fn run_offscreen(
     };
     let folder = runner.folder().to_owned();
     let mut shown = 0;
-    offscreen::run(runner, &mut observer, gaze.as_mut(), painter.as_mut(), start_s, |runner| {
+    offscreen::run(runner, observer.as_mut(), gaze.as_mut(), painter.as_mut(), start_s, |runner| {
         let completed = runner.completed_trials();
         if completed != shown {
             shown = completed;

@@ -8,7 +8,7 @@ use super::painter::{FrameKey, Painter};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::GazeSource;
-use experiments::observers::{Observer, Presented};
+use experiments::observers::{Look, Observer, Presented};
 use experiments::trial::{Answer, Input};
 
 /// Runs a session to its end.
@@ -27,7 +27,6 @@ pub fn run(
     mut progress: impl FnMut(&Runner),
 ) -> Result<(), LabError> {
     let frame_s = 1.0 / runner.session().plan().display.refresh_hz();
-    let fixation_deg = runner.session().plan().gaze.fixation_deg;
     let mut met_phase = None;
     let mut answer: Option<(Answer, f64)> = None;
     let mut samples = Vec::new();
@@ -52,8 +51,25 @@ pub fn run(
         };
         if met_phase != Some(runner.phase_seq()) {
             met_phase = Some(runner.phase_seq());
-            let response = observer.meet(&Presented { phase, trial: runner.session().trial(), fixation_deg });
-            gaze.look_at(t_s, response.look_at_deg);
+            let session = runner.session();
+            let began_s = session.phase_began_s();
+            let (level, fixation_deg) = (session.shown_level(), session.look_at_deg(session.animation_s(began_s)));
+            let response = observer.meet(&Presented {
+                phase,
+                trial: session.trial(),
+                condition: session.condition(),
+                level: level.as_ref(),
+                fixation_deg,
+                display: &session.plan().display,
+                t_s: began_s,
+            });
+            gaze.look_at(
+                t_s,
+                match response.look {
+                    Look::At(at_deg) => at_deg,
+                    Look::Target | Look::Around => fixation_deg,
+                },
+            );
             answer = response.answer.map(|(said, after_s)| (said, t_s + after_s));
         }
 

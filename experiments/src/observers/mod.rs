@@ -1,12 +1,27 @@
 //! Observers: who answers. A person sits before a window; the observers here are models that answer in their place.
 //!
-//! A simulated observer meets the same phases and gives the same inputs as a person. One file for each kind.
+//! A simulated observer meets the same phases and gives the same inputs as a person: it knows what a phase shows, asks and
+//! accepts, never which protocol it is in. [`ParametricObserver`] knows what is shown by its parameters and sees as a
+//! chosen truth says; [`PixelObserver`] looks at the pictures. What either of them then does about what it saw is one
+//! piece of code, [`decision`]. All of them are models: they say what follows from their assumptions, not what people see.
 
-pub mod mar;
+pub mod decision;
+pub mod expected;
+pub mod options;
+pub mod parametric;
+mod parse;
+pub mod pixels;
+pub mod truth;
 
-pub use mar::MarObserver;
+pub use options::Options;
+pub use parametric::ParametricObserver;
+pub use parse::{Simulation, SimulationError};
+pub use pixels::PixelObserver;
+pub use truth::{ParameterTruth, Truth};
 
+use crate::display::Display;
 use crate::session::Trial;
+use crate::study::plan::{Condition, Level};
 use crate::trial::{Answer, Phase};
 
 /// What an observer meets.
@@ -16,15 +31,34 @@ pub struct Presented<'a> {
     pub phase: &'a Phase,
     /// The trial it belongs to, if any.
     pub trial: Option<&'a Trial>,
-    /// Where the fixation mark stands, degrees.
+    /// The trial's condition, if it belongs to one.
+    pub condition: Option<&'a Condition>,
+    /// What the phase shows: the trial's level, with the phase's own on top.
+    pub level: Option<&'a Level>,
+    /// Where to look: the fixation mark, or the moving target at the phase's start; degrees.
     pub fixation_deg: [f64; 2],
+    /// The display.
+    pub display: &'a Display,
+    /// When the phase began, seconds since the session's start.
+    pub t_s: f64,
+}
+
+/// Where an observer looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Look {
+    /// At a place, degrees.
+    At([f64; 2]),
+    /// At the moving target, wherever it goes.
+    Target,
+    /// Around, wherever they like.
+    Around,
 }
 
 /// What an observer does about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// Where they look, degrees.
-    pub look_at_deg: [f64; 2],
+    /// Where they look.
+    pub look: Look,
     /// What they say and how long after the phase began, seconds; nothing if they stay silent.
     pub answer: Option<(Answer, f64)>,
 }
@@ -36,4 +70,38 @@ pub trait Observer {
 
     /// What the observer is, with all its parameters, for the session's header.
     fn describe(&self) -> serde_json::Value;
+
+    /// Whether the observer judges pictures, and [`Observer::see`] is to be called.
+    fn wants_pixels(&self) -> bool {
+        false
+    }
+
+    /// Shows pictures of a stimulus phase, before the call of [`Observer::meet`] that presents it.
+    ///
+    /// An adjusting observer answers while the picture is on the display, so it has to have seen it when it is asked. A
+    /// stage in virtual time draws one or more moments of the phase ahead. Pictures that come after their phase's `meet`
+    /// count for that phase as long as another phase without a stimulus lies between it and the next stimulus.
+    fn see(&mut self, _seen: &Seen<'_>) {}
+}
+
+/// Pictures as they reach the eye.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen<'a> {
+    /// The picture on the display.
+    pub shown: Picture<'a>,
+    /// The full-resolution reference at the same moment.
+    pub reference: Picture<'a>,
+    /// Where the observer looks, degrees.
+    pub gaze_deg: [f64; 2],
+    /// The display.
+    pub display: &'a Display,
+}
+
+/// A picture of the whole display.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Width and height in pixels.
+    pub size_px: [u32; 2],
+    /// 8-bit sRGB with alpha, row by row from the top, four bytes a pixel.
+    pub rgba: &'a [u8],
 }

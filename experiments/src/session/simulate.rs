@@ -29,7 +29,16 @@ pub fn simulate(plan: &Arc<Plan>, seed: u64, observer: &mut dyn Observer) -> Vec
         let Some(phase) = session.phase() else {
             break;
         };
-        let presented = Presented { phase, trial: session.trial(), fixation_deg: plan.gaze.fixation_deg };
+        let level = session.shown_level();
+        let presented = Presented {
+            phase,
+            trial: session.trial(),
+            condition: session.condition(),
+            level: level.as_ref(),
+            fixation_deg: session.look_at_deg(session.animation_s(session.phase_began_s())),
+            display: &plan.display,
+            t_s: session.phase_began_s(),
+        };
         let answer = observer.meet(&presented).answer;
         let (input, after_s) = match (answer, phase.duration_s) {
             _ if phase.name == PhaseName::Save => (Input::Saved, 0.0),

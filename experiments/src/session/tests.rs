@@ -5,7 +5,7 @@ use super::refold::refold;
 use super::simulate::simulate;
 use super::*;
 use crate::mar::MarModel;
-use crate::observers::MarObserver;
+use crate::observers::{Options, ParametricObserver, Truth};
 use crate::study::plan::*;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -74,8 +74,9 @@ fn ring() -> DetailLaw {
     }
 }
 
-fn observer(seed: u64) -> MarObserver {
-    MarObserver::new(MarModel { m: 0.022, omega0_deg: 0.021, width: 0.6, lapse: 0.02 }, seed)
+fn observer(seed: u64) -> ParametricObserver {
+    let model = MarModel { m: 0.022, omega0_deg: 0.021, width: 0.6, lapse: 0.02 };
+    ParametricObserver::new(Truth::Mar(model), Options::default(), seed)
 }
 
 #[test]
@@ -151,7 +152,16 @@ proptest! {
         let mut patient = observer(seed);
         for _ in 0..2000 {
             let Some(phase) = session.phase() else { break };
-            let presented = crate::observers::Presented { phase, trial: session.trial(), fixation_deg: [0.0; 2] };
+            let level = session.shown_level();
+            let presented = crate::observers::Presented {
+                phase,
+                trial: session.trial(),
+                condition: session.condition(),
+                level: level.as_ref(),
+                fixation_deg: [0.0; 2],
+                display: &plan.display,
+                t_s: session.phase_began_s(),
+            };
             let answer = crate::observers::Observer::meet(&mut patient, &presented).answer;
             let input = match answer {
                 _ if phase.name == PhaseName::Save => Input::Saved,

@@ -112,7 +112,7 @@ impl<'s> Report<'s> {
 }
 
 /// `; did you mean "x"?` for the candidate that is nearest to `word`, or nothing when none is near.
-pub(super) fn suggestion<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+pub(crate) fn suggestion<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     let length = word.chars().count();
     let reach = length.div_ceil(3);
     // A name that was not finished is as near as one with one letter wrong.

@@ -17,6 +17,7 @@ pub(crate) mod tests;
 pub mod validate;
 
 pub use describe::{Description, describe};
+pub(crate) use mistakes::suggestion;
 pub use mistakes::{Mistake, Mistakes};
 pub use plan::Plan;
 pub use schema::{display_schema, study_schema};
