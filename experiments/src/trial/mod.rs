@@ -5,6 +5,7 @@
 
 pub mod feedback;
 pub mod form;
+pub mod keys;
 pub mod two_interval;
 
 use crate::marks::Spheres;
