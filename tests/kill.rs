@@ -69,7 +69,7 @@ fn check_tables(session: &SessionFolder) {
         .events
         .iter()
         .filter_map(|stamped| match stamped.event {
-            Event::PhaseBegan { trial, phase } => Some((stamped.seq, (trial, phase))),
+            Event::PhaseBegan { trial, phase, .. } => Some((stamped.seq, (trial, phase))),
             _ => None,
         })
         .collect();
@@ -309,7 +309,7 @@ fn a_session_that_was_cut_at_any_byte_goes_on_and_completes_its_design() {
 
 /// What a trial asked and what was answered, without its times.
 fn asked_and_answered(session: &SessionFolder) -> Vec<impl PartialEq + std::fmt::Debug + use<>> {
-    session.record.trials.iter().map(|record| (record.trial.clone(), record.outcome)).collect()
+    session.record.trials.iter().map(|record| (record.trial.clone(), record.outcome.clone())).collect()
 }
 
 #[test]

@@ -118,7 +118,12 @@ mod tests {
             .map(|seq| Stamped {
                 seq,
                 t_s: 0.1 * seq as f64 + 1.0 / 3.0,
-                event: Event::PhaseBegan { trial: Some(3), phase: PhaseName::Interval1 },
+                event: Event::PhaseBegan {
+                    trial: Some(3),
+                    phase: PhaseName::Interval1,
+                    shown: None,
+                    at: Default::default(),
+                },
             })
             .collect();
         let bytes = events.iter().flat_map(|event| line_from_event(event).into_bytes()).collect();

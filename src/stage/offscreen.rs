@@ -1,7 +1,8 @@
 //! The offscreen stage: virtual time, a simulated observer, real frames or none.
 //!
 //! A frame lasts exactly one refresh interval of the study's display, however long it takes to draw, so that a slow
-//! machine gives the same session as a fast one. Frames whose picture has not changed are logged and not drawn again.
+//! machine gives the same session as a fast one. Frames whose picture has not changed are logged and not drawn again. A
+//! simulated eye is told at every frame what it is to do, since what it looks at may move.
 
 use super::frame_hash::picture_hash;
 use super::painter::{FrameKey, Painter};
@@ -9,7 +10,46 @@ use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::GazeSource;
 use experiments::observers::{Observer, Presented};
-use experiments::trial::{Answer, Input};
+use experiments::study::plan::Fixation;
+use experiments::trial::{Answer, Input, Presentation};
+
+/// What an observer does with the eyes while a phase lasts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Look {
+    /// Looks at a place, degrees.
+    At([f64; 2]),
+    /// Looks at the fixation mark, or follows the moving target.
+    Target,
+    /// Looks around.
+    Around,
+}
+
+impl Look {
+    /// What is asked of an observer who would look at `otherwise_deg`.
+    fn asked(runner: &Runner, otherwise_deg: [f64; 2]) -> Self {
+        let session = runner.session();
+        let stimulus = session.phase().is_some_and(|phase| matches!(phase.presentation, Presentation::Stimulus(_)));
+        match session.condition().map(|condition| condition.fixation) {
+            Some(Fixation::Moving(_)) => Self::Target,
+            Some(Fixation::Free) if stimulus => Self::Around,
+            _ => Self::At(otherwise_deg),
+        }
+    }
+
+    /// Tells the eye, at a frame's time.
+    fn direct(self, gaze: &mut dyn GazeSource, runner: &Runner, t_s: f64) {
+        let session = runner.session();
+        let moves = session.phase().is_some_and(|phase| matches!(phase.presentation, Presentation::Stimulus(_)))
+            && session.condition().is_some_and(|condition| matches!(condition.fixation, Fixation::Moving(_)));
+        let target_deg = session.look_at_deg(session.animation_s(t_s));
+        match self {
+            Self::At(deg) => gaze.look_at(t_s, deg),
+            Self::Target if moves => gaze.pursue(t_s, target_deg),
+            Self::Target => gaze.look_at(t_s, target_deg),
+            Self::Around => gaze.look_around(t_s),
+        }
+    }
+}
 
 /// Runs a session to its end.
 ///
@@ -29,6 +69,7 @@ pub fn run(
     let frame_s = 1.0 / runner.session().plan().display.refresh_hz();
     let fixation_deg = runner.session().plan().gaze.fixation_deg;
     let mut met_phase = None;
+    let mut look = Look::At(fixation_deg);
     let mut answer: Option<(Answer, f64)> = None;
     let mut samples = Vec::new();
     let mut last: Option<(FrameKey, String)> = None;
@@ -53,9 +94,11 @@ pub fn run(
         if met_phase != Some(runner.phase_seq()) {
             met_phase = Some(runner.phase_seq());
             let response = observer.meet(&Presented { phase, trial: runner.session().trial(), fixation_deg });
-            gaze.look_at(t_s, response.look_at_deg);
+            look = Look::asked(&runner, response.look_at_deg);
             answer = response.answer.map(|(said, after_s)| (said, t_s + after_s));
         }
+
+        look.direct(gaze, &runner, t_s);
 
         // Draw the frame, unless its picture is the one before, and log it.
         let Some(view) = runner.view(t_s) else {
