@@ -1,7 +1,8 @@
-//! The fixation gate: has gaze left the fixation mark for long enough to count?
+//! The fixation gate: has gaze left the place to look at for long enough to count?
 //!
-//! Pure: it is told eccentricities and times and answers yes or no. The trial machine decides what follows (the
-//! stimulus hides, the trial is aborted and queued again); gaze samples come from the lab.
+//! Pure: it is told angles and times and answers yes or no. Where the place is, a still mark or a moving target, is the
+//! caller's to know. The trial machine decides what follows (the stimulus hides, the trial is aborted and queued again);
+//! gaze samples come from the lab.
 
 use crate::study::plan::GatePlan;
 
@@ -9,15 +10,14 @@ use crate::study::plan::GatePlan;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gate {
     plan: GatePlan,
-    fixation_deg: [f64; 2],
     away_since_s: Option<f64>,
 }
 
 impl Gate {
-    /// A gate around `fixation_deg` (degrees from the display's centre), with gaze taken to be inside.
+    /// A gate with gaze taken to be inside.
     #[must_use]
-    pub fn new(plan: GatePlan, fixation_deg: [f64; 2]) -> Self {
-        Self { plan, fixation_deg, away_since_s: None }
+    pub fn new(plan: GatePlan) -> Self {
+        Self { plan, away_since_s: None }
     }
 
     /// The gate's radius and grace.
@@ -26,13 +26,7 @@ impl Gate {
         self.plan
     }
 
-    /// The place that gaze must keep to, in degrees from the display's centre.
-    #[must_use]
-    pub fn fixation_deg(&self) -> [f64; 2] {
-        self.fixation_deg
-    }
-
-    /// Takes one gaze sample: its time in session seconds, and the angle between gaze and the fixation mark in degrees,
+    /// Takes one gaze sample: its time in session seconds, and the angle between gaze and the place to look at in degrees,
     /// or `None` (or not a number) where gaze is lost. Answers whether gaze has left: outside the radius or lost,
     /// without a sample inside in between, for longer than the grace. Without a grace the first such sample counts.
     ///
@@ -59,7 +53,7 @@ mod tests {
     use super::*;
 
     fn gate(grace_s: f64) -> Gate {
-        Gate::new(GatePlan { radius_deg: 2.0, grace_s }, [1.0, -1.0])
+        Gate::new(GatePlan { radius_deg: 2.0, grace_s })
     }
 
     /// Feeds samples at 100 Hz from time 0 and answers at which of them gaze had left.
@@ -76,7 +70,7 @@ mod tests {
     #[test]
     fn steady_fixation_never_leaves() {
         let mut gate = gate(0.1);
-        assert_eq!((gate.plan().radius_deg, gate.fixation_deg()), (2.0, [1.0, -1.0]));
+        assert_eq!(gate.plan(), GatePlan { radius_deg: 2.0, grace_s: 0.1 });
         assert!(left_at(&mut gate, (0..100).map(|i| Some(0.02 * f64::from(i)))).is_empty());
         assert!(!gate.update(1.0, Some(2.0)), "the radius itself is inside");
     }

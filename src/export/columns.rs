@@ -71,16 +71,27 @@ pub const FRAMES: &[Column] = &[
     column("index", "", "number within the session, from 0"),
     column("phase_seq", "", "number of the journal's event that began the phase"),
     column("trial", "", "trial, if in one"),
-    column("phase", "", "page, fixate, interval1, gap, interval2, ask, feedback, save or paused"),
+    column(
+        "phase",
+        "",
+        "what was presented: page, fixate, interval1, gap, interval2, step, sequence, alternative-a, \
+        alternative-b, reference, adjust, task, marker, hidden, ask, form, consent, feedback, save or paused",
+    ),
     column("scheduled_s", "s", "when the frame was due"),
     column("presented_s", "s", "when it was handed to the display (software time, not light)"),
     column("missed", "", "1 if it came later than the refresh that it was due for"),
-    column("animation_s", "s", "time on the scene's clock"),
+    column("animation_s", "s", "time on the scene's clock, on which moving targets and spheres run too"),
     column("gaze_row", "", "row of the session's gaze table, from 0, that placed the stimulus"),
     column("gaze_age_s", "s", "age of that sample when the frame was presented"),
     column("pixels_shaded", "px", "pixels shaded; 0 if the picture had not changed, empty if none was drawn"),
     column("gpu_time_s", "s", "GPU time of the renderer, where known"),
     column("hash", "", "XXH3-64 of the frame's 8-bit RGBA bytes, where it was read back"),
+    column(
+        "target_x_deg",
+        "deg",
+        "where observers were to look during a stimulus: right of the display's centre; empty in free viewing",
+    ),
+    column("target_y_deg", "deg", "the same: above the display's centre"),
 ];
 
 /// One threshold for each observer and eccentricity.

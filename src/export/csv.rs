@@ -74,13 +74,14 @@ fn write_tables(
 struct Table {
     path: PathBuf,
     writer: Writer<fs::File>,
+    columns: usize,
     rows: usize,
 }
 
 impl Table {
     fn create(path: PathBuf, columns: &[Column]) -> Result<Self, LabError> {
         let file = fs::File::create_new(&path).map_err(|error| LabError::io("write", &path, &error))?;
-        let mut table = Self { path, writer: Writer::from_writer(file), rows: 0 };
+        let mut table = Self { path, writer: Writer::from_writer(file), columns: columns.len(), rows: 0 };
         table.write(columns.iter().map(|column| column.name))?;
         Ok(table)
     }
@@ -148,7 +149,9 @@ fn copy(sessions: &[SessionFolder], name: &str, table: &mut Table) -> Result<(),
         let (session_name, observer) = (session.name(), session.header.observer.as_str());
         for row in csv::Reader::from_reader(&bytes[..whole]).byte_records() {
             let row = row.map_err(|error| LabError::BadInput(format!("{}: {error}", path.display())))?;
-            table.row([session_name.as_bytes(), observer.as_bytes()].into_iter().chain(row.iter()))?;
+            // Sessions of earlier versions lack the last columns; the exported table has them all.
+            let missing = std::iter::repeat_n([].as_slice(), table.columns.saturating_sub(row.len() + 2));
+            table.row([session_name.as_bytes(), observer.as_bytes()].into_iter().chain(row.iter()).chain(missing))?;
         }
     }
     Ok(())

@@ -67,4 +67,11 @@ pub trait GazeSource {
     /// Tells a simulated eye at `now_s` (session seconds) to look at a place in degrees; real ones look where they
     /// like.
     fn look_at(&mut self, _now_s: f64, _target_deg: [f64; 2]) {}
+
+    /// Tells a simulated eye at `now_s` that what it is to follow is at a place in degrees now; called again whenever it
+    /// has moved, until the eye is told something else. Real eyes follow what they like.
+    fn pursue(&mut self, _now_s: f64, _target_deg: [f64; 2]) {}
+
+    /// Tells a simulated eye at `now_s` to look around as it likes, until it is told something else. Real ones do anyway.
+    fn look_around(&mut self, _now_s: f64) {}
 }

@@ -7,20 +7,11 @@ use crate::error::LabError;
 use crate::session::SessionFolder;
 use crate::session::tables::{FrameRow, GazeRow};
 use crate::stage::View;
+use crate::stage::shown::{Moment, Shown};
 use experiments::session::refold::refold;
 use experiments::study::Plan;
-use experiments::study::plan::{Condition, Level};
-use experiments::trial::Presentation;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// What one phase presented.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
-    presentation: Presentation,
-    condition: Option<Condition>,
-    level: Option<Level>,
-}
 
 /// A session's frames with all that is needed to draw them.
 #[derive(Debug)]
@@ -42,12 +33,7 @@ impl Replay {
         let plan = Arc::new(plan);
         let mut phases = BTreeMap::new();
         refold(Arc::clone(&plan), session.header.seed, &session.journal.events, |session, seq| {
-            if let Some(phase) = session.phase() {
-                let shown = Shown {
-                    presentation: phase.presentation.clone(),
-                    condition: session.condition().cloned(),
-                    level: session.trial().map(|trial| trial.level.clone()),
-                };
+            if let Some(shown) = Shown::of(session) {
                 phases.insert(seq, shown);
             }
         })
@@ -82,22 +68,30 @@ impl Replay {
             .phases
             .get(&frame.phase_seq)
             .ok_or_else(|| missing(format!("phase {}, which the journal does not hold", frame.phase_seq)))?;
-        let gaze_deg = match frame.gaze_row {
+        let gaze = match frame.gaze_row {
             Some(row) => {
-                let sample = usize::try_from(row).ok().and_then(|row| self.gaze.get(row));
+                let row = usize::try_from(row).unwrap_or(usize::MAX);
+                let sample = self.gaze.get(row);
                 let sample = sample.ok_or_else(|| missing(format!("gaze row {row}, which gaze.csv does not hold")))?;
-                [sample.x_deg, sample.y_deg]
+                Some(([sample.x_deg, sample.y_deg], self.motion_deg_s(row, sample)))
             }
-            None => self.plan.gaze.fixation_deg,
+            None => None,
         };
-        Ok(View {
-            presentation: &shown.presentation,
-            condition: shown.condition.as_ref(),
-            level: shown.level.as_ref(),
-            gaze_deg,
-            gaze_motion_deg_s: [0.0; 2],
+        let moment = Moment {
+            gaze_deg: gaze.map(|(deg, _)| deg),
+            gaze_motion_deg_s: gaze.map_or([0.0; 2], |(_, motion_deg_s)| motion_deg_s),
             animation_s: frame.animation_s,
             frame_index: frame.index,
+        };
+        Ok(shown.view(&self.plan, moment))
+    }
+
+    /// How fast gaze moved at a sample, degrees per second: from the last valid sample before it, as in the run.
+    fn motion_deg_s(&self, row: usize, sample: &GazeRow) -> [f64; 2] {
+        let before = self.gaze[..row].iter().rev().find(|before| before.valid);
+        before.filter(|before| sample.t_s > before.t_s).map_or([0.0; 2], |before| {
+            let step_s = sample.t_s - before.t_s;
+            [(sample.x_deg - before.x_deg) / step_s, (sample.y_deg - before.y_deg) / step_s]
         })
     }
 }

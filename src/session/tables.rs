@@ -79,10 +79,17 @@ pub struct FrameRow {
     pub gpu_time_s: Option<f64>,
     /// XXH3-64 of the frame's 8-bit RGBA bytes, where it was read back.
     pub hash: Option<String>,
+    /// Where observers were to look while a stimulus was shown, degrees to the right of the display's centre; empty with
+    /// free viewing. Logs from before there were moving targets do not have it.
+    #[serde(default)]
+    pub target_x_deg: Option<f64>,
+    /// The same, degrees above the centre.
+    #[serde(default)]
+    pub target_y_deg: Option<f64>,
 }
 
 /// Columns of `frames.csv`, in the order of [`FrameRow`]'s fields.
-pub const FRAME_COLUMNS: [&str; 13] = [
+pub const FRAME_COLUMNS: [&str; 15] = [
     "index",
     "phase_seq",
     "trial",
@@ -96,6 +103,8 @@ pub const FRAME_COLUMNS: [&str; 13] = [
     "pixels_shaded",
     "gpu_time_s",
     "hash",
+    "target_x_deg",
+    "target_y_deg",
 ];
 
 /// A frame as a CSV line, with its newline.
@@ -117,6 +126,8 @@ pub fn frame_line(row: &FrameRow) -> String {
         number(row.pixels_shaded),
         real(row.gpu_time_s),
         row.hash.clone().unwrap_or_default(),
+        real(row.target_x_deg),
+        real(row.target_y_deg),
     ]
     .join(",");
     line.push('\n');
@@ -220,6 +231,8 @@ mod tests {
             pixels_shaded: Some(518_400),
             gpu_time_s: None,
             hash: Some("00ff".to_owned()),
+            target_x_deg: (index > 0).then_some(-0.1 - 0.2),
+            target_y_deg: (index > 0).then_some(1.0 / 7.0),
         }
     }
 
@@ -236,6 +249,23 @@ mod tests {
         let corrupt = read_rows::<FrameRow>(text.replace(",interval1,", ",intervall,").as_bytes());
         assert_eq!(corrupt.rows, []);
         assert!(matches!(corrupt.damage, Some(TableDamage::Corrupt(problem)) if problem.starts_with("line 2")));
+    }
+
+    /// What a session of an earlier version looks like: without the columns at the end.
+    #[test]
+    fn frames_of_earlier_versions_read_back_without_what_they_did_not_have() {
+        let columns = FRAME_COLUMNS.len() - 2;
+        let text = "index,phase_seq,trial,phase,scheduled_s,presented_s,missed,animation_s,gaze_row,gaze_age_s,\
+                    pixels_shaded,gpu_time_s,hash\n\
+                    0,7,3,interval1,0.5,0.51,0,0.25,12,,518400,,00ff\n";
+        assert_eq!(text.lines().next(), Some(FRAME_COLUMNS[..columns].join(",").as_str()));
+        let table = read_rows::<FrameRow>(text.as_bytes());
+        assert_eq!(table.damage, None);
+        assert_eq!(
+            (table.rows[0].hash.as_deref(), table.rows[0].animation_s.to_bits()),
+            (Some("00ff"), 0.25f64.to_bits())
+        );
+        assert_eq!((table.rows[0].target_x_deg, table.rows[0].target_y_deg), (None, None));
     }
 
     #[test]

@@ -7,8 +7,11 @@ pub mod frame_hash;
 pub mod launch;
 pub mod offscreen;
 pub mod painter;
+mod recent;
 pub mod runner;
 pub mod screens;
+pub mod shown;
+mod watch;
 pub mod window;
 
 pub use painter::{Painter, View};

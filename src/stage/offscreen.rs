@@ -1,15 +1,17 @@
 //! The offscreen stage: virtual time, a simulated observer, real frames or none.
 //!
 //! A frame lasts exactly one refresh interval of the study's display, however long it takes to draw, so that a slow
-//! machine gives the same session as a fast one. Frames whose picture has not changed are logged and not drawn again.
+//! machine gives the same session as a fast one. Frames whose picture has not changed are logged and not drawn again. A
+//! simulated eye is told at every frame what it is to do, since what it looks at may move.
 
 use super::frame_hash::picture_hash;
 use super::painter::{FrameKey, Painter};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::GazeSource;
-use experiments::observers::{Look, Observer, Presented};
-use experiments::trial::{Answer, Input};
+use experiments::observers::{Look, Observer, Picture, Presented, Seen};
+use experiments::study::plan::Fixation;
+use experiments::trial::{Answer, Input, Presentation};
 
 /// Runs a session to its end.
 ///
@@ -28,6 +30,7 @@ pub fn run(
 ) -> Result<(), LabError> {
     let frame_s = 1.0 / runner.session().plan().display.refresh_hz();
     let mut met_phase = None;
+    let mut look = Look::At(runner.session().plan().gaze.fixation_deg);
     let mut answer: Option<(Answer, f64)> = None;
     let mut samples = Vec::new();
     let mut last: Option<(FrameKey, String)> = None;
@@ -51,6 +54,11 @@ pub fn run(
         };
         if met_phase != Some(runner.phase_seq()) {
             met_phase = Some(runner.phase_seq());
+            if let Some(painter) = painter.as_deref_mut()
+                && observer.wants_pixels()
+            {
+                show(observer, painter, &runner, t_s)?;
+            }
             let session = runner.session();
             let began_s = session.phase_began_s();
             let (level, fixation_deg) = (session.shown_level(), session.look_at_deg(session.animation_s(began_s)));
@@ -63,15 +71,11 @@ pub fn run(
                 display: &session.plan().display,
                 t_s: began_s,
             });
-            gaze.look_at(
-                t_s,
-                match response.look {
-                    Look::At(at_deg) => at_deg,
-                    Look::Target | Look::Around => fixation_deg,
-                },
-            );
+            look = response.look;
             answer = response.answer.map(|(said, after_s)| (said, t_s + after_s));
         }
+
+        direct(look, gaze, &runner, t_s);
 
         // Draw the frame, unless its picture is the one before, and log it.
         let Some(view) = runner.view(t_s) else {
@@ -104,4 +108,33 @@ pub fn run(
     }
     progress(&runner);
     runner.close()
+}
+
+/// Tells the eye what to do, at a frame's time.
+fn direct(look: Look, gaze: &mut dyn GazeSource, runner: &Runner, t_s: f64) {
+    let session = runner.session();
+    let moves = session.phase().is_some_and(|phase| matches!(phase.presentation, Presentation::Stimulus(_)))
+        && session.condition().is_some_and(|condition| matches!(condition.fixation, Fixation::Moving(_)));
+    let target_deg = session.look_at_deg(session.animation_s(t_s));
+    match look {
+        Look::At(deg) => gaze.look_at(t_s, deg),
+        Look::Target if moves => gaze.pursue(t_s, target_deg),
+        Look::Target => gaze.look_at(t_s, target_deg),
+        Look::Around => gaze.look_around(t_s),
+    }
+}
+
+/// Shows the observer the first picture of a stimulus phase, and the reference of the same moment.
+fn show(observer: &mut dyn Observer, painter: &mut Painter, runner: &Runner, t_s: f64) -> Result<(), LabError> {
+    let Some(view) = runner.view(t_s) else { return Ok(()) };
+    let Some(reference) = painter.reference_picture(&view)? else { return Ok(()) };
+    let (shown, _) = painter.picture(&view)?;
+    let size_px = [shown.width(), shown.height()];
+    observer.see(&Seen {
+        shown: Picture { size_px, rgba: shown.as_raw() },
+        reference: Picture { size_px, rgba: reference.as_raw() },
+        gaze_deg: view.gaze_deg,
+        display: &runner.session().plan().display,
+    });
+    Ok(())
 }

@@ -5,17 +5,15 @@
 //! one.
 
 use super::painter::View;
+use super::shown::{Moment, Shown};
+use super::watch::Watch;
 use crate::error::LabError;
 use crate::gaze::GazeSample;
 use crate::session::tables::FrameRow;
 use crate::session::writer::{Acknowledgement, SessionWriter};
-use experiments::gate::Gate;
 use experiments::session::{Event, Stamped};
-use experiments::trial::{GazeRule, Input, Outcome, Phase, PhaseName, Presentation};
+use experiments::trial::{GazeRule, Input, Outcome, Phase, PhaseName};
 use experiments::{Display, Session};
-
-/// How long no sample may come before gaze counts as lost, seconds.
-const SILENCE_S: f64 = 0.25;
 
 /// A session in progress, with its log.
 #[derive(Debug)]
@@ -27,12 +25,9 @@ pub struct Runner {
     last_event_s: f64,
     /// Number of the event that began the current phase.
     phase_seq: u64,
-    gate: Option<Gate>,
-    gate_violated: bool,
-    /// Since when gaze has been inside the gate without a break.
-    inside_since_s: f64,
-    /// When the last sample came, valid or not.
-    last_sample_s: f64,
+    /// What that phase presents.
+    shown: Option<Shown>,
+    watch: Watch,
     gaze: Option<Gaze>,
     gaze_rows: u64,
     frames: u64,
@@ -100,18 +95,16 @@ impl Runner {
 
     fn new(session: Session, writer: SessionWriter, tail: Tail) -> Self {
         let plan = session.plan();
-        let gate = plan.gaze.gate.map(|gate| Gate::new(gate, plan.gaze.fixation_deg));
+        let watch = Watch::new(plan.gaze.gate, tail.last_event_s);
         Self {
             display: plan.display.clone(),
+            shown: Shown::of(&session),
             session,
             writer,
             seq: tail.events,
             last_event_s: tail.last_event_s,
             phase_seq: 0,
-            gate,
-            gate_violated: false,
-            inside_since_s: tail.last_event_s,
-            last_sample_s: tail.last_event_s,
+            watch,
             gaze: None,
             gaze_rows: tail.gaze_rows,
             frames: tail.frames,
@@ -171,11 +164,8 @@ impl Runner {
     /// When the log cannot be written.
     pub fn gaze_sample(&mut self, now_s: f64, sample: GazeSample) -> Result<(), LabError> {
         let deg = self.display.deg_from_px(sample.px);
-        if let Some(gate) = &mut self.gate {
-            let fixation_deg = self.session.plan().gaze.fixation_deg;
-            let eccentricity = sample.valid.then(|| self.display.eccentricity_deg(fixation_deg, deg));
-            self.gate_violated = gate.update(sample.t_s, eccentricity);
-        }
+        let angle_deg = self.angle_to_target_deg(sample.t_s, sample.valid.then_some(deg));
+        self.watch.sample(sample.t_s, now_s, angle_deg);
         if sample.valid {
             let motion_deg_s = match self.gaze {
                 Some(before) if sample.t_s > before.t_s => {
@@ -186,29 +176,27 @@ impl Runner {
             self.gaze = Some(Gaze { row: self.gaze_rows, t_s: sample.t_s, deg, motion_deg_s });
         }
         self.gaze_rows += 1;
-        self.last_sample_s = now_s;
         self.writer.gaze(sample)?;
-        self.act_on_gate(now_s)
+        self.tell_gaze(now_s)
     }
 
-    fn act_on_gate(&mut self, now_s: f64) -> Result<(), LabError> {
-        if self.gate_violated {
-            self.inside_since_s = now_s;
-            if self.phase().is_some_and(|phase| matches!(phase.gaze, GazeRule::Abort | GazeRule::Hide)) {
-                self.input(now_s, Input::GazeLeft)?;
-            }
+    /// The angle between gaze and the place to look at, as the gate takes it: nothing where gaze is lost, none where gaze
+    /// is not bound to a place. A target has moved on since a sample was taken, so its place then counts.
+    fn angle_to_target_deg(&self, t_s: f64, gaze_deg: Option<[f64; 2]>) -> Option<f64> {
+        if !self.shown.as_ref().is_none_or(Shown::binds_gaze) {
+            return Some(0.0);
         }
-        Ok(())
+        let place_deg = self.session.look_at_deg(self.session.animation_s(t_s));
+        Some(self.display.eccentricity_deg(place_deg, gaze_deg?))
     }
 
-    /// A tracker that has fallen silent is a lost gaze, not a steady one.
-    fn notice_silence(&mut self, now_s: f64) -> Result<(), LabError> {
-        if let Some(gate) = &mut self.gate
-            && now_s - self.last_sample_s > SILENCE_S
-        {
-            self.gate_violated = gate.update(now_s, None);
+    /// Tells the session what gaze did, as far as the phase wants to know.
+    fn tell_gaze(&mut self, now_s: f64) -> Result<(), LabError> {
+        let rule = self.phase().map_or(GazeRule::Free, |phase| phase.gaze);
+        match self.watch.tells(rule, now_s) {
+            Some(input) => self.input(now_s, input),
+            None => Ok(()),
         }
-        self.act_on_gate(now_s)
     }
 
     /// Lets time pass up to a frame that is due at `t_s`: ends the phase if its time is up, and goes on from a saved trial.
@@ -230,17 +218,17 @@ impl Runner {
                 self.input(t_s, Input::Saved)?;
             }
         }
-        self.notice_silence(t_s)?;
+        if self.watch.is_silent(t_s) {
+            self.watch.update(t_s, self.angle_to_target_deg(t_s, None));
+        }
+        self.tell_gaze(t_s)?;
         let held = |phase: &Phase| Some((phase.duration_s?, phase.gaze == GazeRule::Hold));
         let Some((duration_s, hold)) = self.phase().and_then(held) else {
             return Ok(());
         };
-        let mut since_s = self.session.phase_began_s();
-        if hold && self.gate.is_some() {
-            since_s = since_s.max(self.inside_since_s);
-        }
-        let held_back = hold && self.gate_violated;
-        if !held_back && t_s + 0.5 * frame_s >= since_s + duration_s {
+        let began_s = self.session.phase_began_s();
+        let since_s = if hold { self.watch.held_since_s(began_s) } else { Some(began_s) };
+        if since_s.is_some_and(|since_s| t_s + 0.5 * frame_s >= since_s + duration_s) {
             self.input(t_s, Input::Elapsed)?;
         }
         Ok(())
@@ -249,23 +237,20 @@ impl Runner {
     /// What a frame due at `t_s` shows.
     #[must_use]
     pub fn view(&self, t_s: f64) -> Option<View<'_>> {
-        let phase = self.session.phase()?;
-        let animated = matches!(phase.presentation, Presentation::Stimulus(_));
-        Some(View {
-            presentation: &phase.presentation,
-            condition: self.session.condition(),
-            level: self.session.trial().map(|trial| &trial.level),
-            gaze_deg: self.gaze.map_or(self.session.plan().gaze.fixation_deg, |gaze| gaze.deg),
+        let moment = Moment {
+            gaze_deg: self.gaze.map(|gaze| gaze.deg),
             gaze_motion_deg_s: self.gaze.map_or([0.0; 2], |gaze| gaze.motion_deg_s),
-            animation_s: if animated { (t_s - self.session.phase_began_s()).max(0.0) } else { 0.0 },
+            animation_s: self.session.animation_s(t_s),
             frame_index: self.frames,
-        })
+        };
+        Some(self.shown.as_ref()?.view(self.session.plan(), moment))
     }
 
     /// The row of the frame that is about to be shown, to be completed with what showing it tells.
     #[must_use]
     pub fn frame_row(&self, scheduled_s: f64, animation_s: f64) -> Option<FrameRow> {
         let phase = self.session.phase()?;
+        let target_deg = self.shown.as_ref().and_then(|shown| shown.target_deg(self.session.plan(), animation_s));
         Some(FrameRow {
             index: self.frames,
             phase_seq: self.phase_seq,
@@ -280,6 +265,8 @@ impl Runner {
             pixels_shaded: None,
             gpu_time_s: None,
             hash: None,
+            target_x_deg: target_deg.map(|[x, _]| x),
+            target_y_deg: target_deg.map(|[_, y]| y),
         })
     }
 
@@ -306,7 +293,7 @@ impl Runner {
 
     fn log(&mut self, t_s: f64, events: Vec<Event>) -> Result<(), LabError> {
         self.last_event_s = self.last_event_s.max(t_s);
-        let mut must_save = false;
+        let (mut must_save, mut new_phase) = (false, false);
         for event in events {
             must_save |= matches!(event, Event::TrialEnded { .. } | Event::Finished);
             if matches!(event, Event::TrialEnded { outcome: Outcome::Answered { .. }, .. }) {
@@ -314,9 +301,15 @@ impl Runner {
             }
             if matches!(event, Event::PhaseBegan { .. }) {
                 self.phase_seq = self.seq;
+                new_phase = true;
             }
             self.writer.event(Stamped { seq: self.seq, t_s: self.last_event_s, event })?;
             self.seq += 1;
+        }
+        if new_phase || self.session.finished() {
+            let before = self.shown.take().map_or(GazeRule::Free, |shown| shown.gaze);
+            self.shown = Shown::of(&self.session);
+            self.watch.phase_began(before, self.shown.as_ref().map_or(GazeRule::Free, |shown| shown.gaze));
         }
         if must_save {
             self.saving = Some(self.writer.sync()?);
@@ -324,3 +317,6 @@ impl Runner {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

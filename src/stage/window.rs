@@ -2,7 +2,7 @@
 //!
 //! Before the session starts the window shows grey and measures how long frames take. During the session each turn of
 //! the loop reads the newest gaze as late as it can, draws, presents, and logs when the frame was due and when it was
-//! handed over. Keys: 1 or ← first, 2 or → second, space or Enter go on, Escape pauses; Escape again leaves.
+//! handed over. Escape pauses, and leaves from there; what other keys say is [`experiments::trial::keys`]'s.
 
 use super::frame_hash::PendingHash;
 use super::painter::{Painter, View};
@@ -12,7 +12,7 @@ use crate::gaze::{GazeSource, Mouse};
 use crate::session::tables::FrameRow;
 use experiments::Display;
 use experiments::study::plan::GazePlan;
-use experiments::trial::{Answer, Input, PhaseName, Presentation};
+use experiments::trial::{Input, PhaseName, Presentation, keys};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -168,6 +168,29 @@ impl ApplicationHandler for App {
     }
 }
 
+/// The key as answers are made of it; nothing for keys that never answer.
+fn key_of(key: &Key) -> Option<keys::Key> {
+    Some(match key {
+        Key::Named(NamedKey::ArrowLeft) => keys::Key::Left,
+        Key::Named(NamedKey::ArrowRight) => keys::Key::Right,
+        Key::Named(NamedKey::ArrowUp) => keys::Key::Up,
+        Key::Named(NamedKey::ArrowDown) => keys::Key::Down,
+        Key::Named(NamedKey::Space) => keys::Key::Space,
+        Key::Named(NamedKey::Enter) => keys::Key::Enter,
+        Key::Named(NamedKey::Tab) => keys::Key::Tab,
+        Key::Named(NamedKey::Backspace) => keys::Key::Backspace,
+        Key::Character(text) => {
+            let mut characters = text.chars();
+            match (characters.next()?, characters.next()) {
+                (' ', None) => keys::Key::Space,
+                (character, None) => keys::Key::Character(character),
+                _ => return None,
+            }
+        }
+        _ => return None,
+    })
+}
+
 enum Flow {
     Stay,
     Leave { finished: bool },
@@ -183,22 +206,24 @@ impl App {
         let Some(running) = self.stage.as_mut().and_then(|stage| stage.running.as_mut()) else {
             return Ok(Flow::Stay);
         };
-        if event.state != ElementState::Pressed || event.repeat {
+        let Some(phase) = running.runner.phase() else {
+            return Ok(Flow::Stay);
+        };
+        // A key that is held down answers once; only what is typed may be taken back in one go.
+        let erases = phase.typing.is_some() && event.logical_key == Key::Named(NamedKey::Backspace);
+        if event.state != ElementState::Pressed || (event.repeat && !erases) {
             return Ok(Flow::Stay);
         }
-        let input = match &event.logical_key {
-            Key::Named(NamedKey::Escape) => {
-                if running.runner.phase().is_some_and(|phase| phase.name == PhaseName::Paused) {
-                    return Ok(Flow::Leave { finished: false });
-                }
-                Input::Pause
+        let input = if event.logical_key == Key::Named(NamedKey::Escape) {
+            if phase.name == PhaseName::Paused {
+                return Ok(Flow::Leave { finished: false });
             }
-            Key::Named(NamedKey::ArrowLeft) => Input::Answered { answer: Answer::First },
-            Key::Named(NamedKey::ArrowRight) => Input::Answered { answer: Answer::Second },
-            Key::Named(NamedKey::Space | NamedKey::Enter) => Input::Answered { answer: Answer::Continue },
-            Key::Character(text) if text == "1" => Input::Answered { answer: Answer::First },
-            Key::Character(text) if text == "2" => Input::Answered { answer: Answer::Second },
-            _ => return Ok(Flow::Stay),
+            Input::Pause
+        } else {
+            match key_of(&event.logical_key).and_then(|key| keys::answer_for(key, phase)) {
+                Some(answer) => Input::Answered { answer },
+                None => return Ok(Flow::Stay),
+            }
         };
         let now_s = running.zero.elapsed().as_secs_f64();
         running.runner.input(now_s, input)?;
@@ -365,15 +390,7 @@ impl Stage {
 
     fn measuring_frame(&mut self) -> Result<(), LabError> {
         if let Some(texture) = self.acquire()? {
-            let view = View {
-                presentation: &Presentation::Grey,
-                condition: None,
-                level: None,
-                gaze_deg: [0.0; 2],
-                gaze_motion_deg_s: [0.0; 2],
-                animation_s: 0.0,
-                frame_index: 0,
-            };
+            let view = View::blank(&Presentation::Grey);
             self.show(texture, &view)?;
             self.measuring.push(Instant::now());
         }
@@ -438,7 +455,11 @@ impl Stage {
         let cost = self.show(texture, &view)?;
         let presented_s = running.zero.elapsed().as_secs_f64();
         let new_phase = running.shown_phase.replace(running.runner.phase_seq()) != Some(running.runner.phase_seq());
-        if new_phase && *view.presentation == Presentation::Fixation {
+        // Before a trial's first picture there is fixation, or the task is explained. A trial that has neither may show
+        // its first frame late, which is logged: what comes next is not known while the last trial is being saved.
+        let before_pictures =
+            running.runner.phase().is_some_and(|phase| matches!(phase.name, PhaseName::Fixate | PhaseName::Task));
+        if new_phase && before_pictures {
             self.painter.warm_up(&view)?;
         }
         let missed = presented_s - scheduled_s > 0.5 * running.frame_s;

@@ -6,6 +6,7 @@
 pub mod adjustment;
 pub mod feedback;
 pub mod form;
+pub mod keys;
 pub mod likert;
 pub mod pair;
 pub mod paired_task;

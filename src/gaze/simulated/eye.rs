@@ -56,6 +56,20 @@ pub struct SimulatedEye {
     pub corrective_threshold_deg: f64,
     /// Time from landing to the corrective saccade, s. Becker & Fuchs 1969: well under a normal latency. Our choice.
     pub corrective_latency_s: f64,
+    /// The eye's velocity over the target's in smooth pursuit. A little below one, as for slow targets; our choice.
+    pub pursuit_gain: f64,
+    /// Time by which the eye's velocity lags behind the target's in smooth pursuit, s. About a tenth of a second; our
+    /// choice.
+    pub pursuit_lag_s: f64,
+    /// A pursued target that is farther from the eye, deg, is caught up with by a saccade, `corrective_latency_s` later,
+    /// which aims at where the target will be: catch-up saccades take its motion into account (de Brouwer, Missal, Barnes
+    /// & Lefèvre 2002). The value is our choice.
+    pub catch_up_threshold_deg: f64,
+    /// Shortest and longest time from one goal to the next in free viewing, s; goals are uniform over the middle of the
+    /// display. Our choice, of the order of a fixation in looking at pictures.
+    pub free_viewing_s: [f64; 2],
+    /// The share of the display's width and height in which those goals lie, 0–1. Our choice.
+    pub free_viewing_share: f64,
     /// Blinks per minute. Bentivoglio et al. 1997: 4.5 reading, 17 at rest; between the two is our choice.
     pub blink_rate_per_min: f64,
     /// Mean time of a blink without a signal, s. Stern, Walrath & Goldstein 1984: tenths of a second. Our choice.
@@ -104,6 +118,11 @@ impl Default for SimulatedEye {
             saccade_gain_sd: 0.04,
             corrective_threshold_deg: 0.5,
             corrective_latency_s: 0.15,
+            pursuit_gain: 0.95,
+            pursuit_lag_s: 0.1,
+            catch_up_threshold_deg: 1.0,
+            free_viewing_s: [0.25, 0.5],
+            free_viewing_share: 0.8,
             blink_rate_per_min: 10.0,
             blink_duration_s: 0.2,
             blink_duration_sd_s: 0.05,
@@ -143,6 +162,7 @@ impl SimulatedEye {
             saccade_promptness_sd_hz: 0.0,
             saccade_gain: 1.0,
             saccade_gain_sd: 0.0,
+            pursuit_gain: 1.0,
             blink_rate_per_min: 0.0,
             latency_s: 0.0,
             noise_rms_s2s_deg: 0.0,
@@ -155,7 +175,7 @@ impl SimulatedEye {
     /// Every field that is out of its bounds; empty when the eye can exist.
     #[must_use]
     pub fn mistakes(&self) -> Vec<EyeMistake> {
-        let bounds: [(&'static str, f64, f64, f64, &str); 29] = [
+        let bounds: [(&'static str, f64, f64, f64, &str); 35] = [
             ("drift_diffusion_arcmin2_s", self.drift_diffusion_arcmin2_s, 0.0, 10_000.0, "arcmin²/s"),
             ("drift_time_constant_s", self.drift_time_constant_s, 0.01, 100.0, "s"),
             ("microsaccade_rate_hz", self.microsaccade_rate_hz, 0.0, 5.0, "per second"),
@@ -173,6 +193,12 @@ impl SimulatedEye {
             ("saccade_gain_sd", self.saccade_gain_sd, 0.0, 0.2, ""),
             ("corrective_threshold_deg", self.corrective_threshold_deg, 0.1, 10.0, "deg"),
             ("corrective_latency_s", self.corrective_latency_s, 0.02, 1.0, "s"),
+            ("pursuit_gain", self.pursuit_gain, 0.0, 1.2, ""),
+            ("pursuit_lag_s", self.pursuit_lag_s, 0.0, 1.0, "s"),
+            ("catch_up_threshold_deg", self.catch_up_threshold_deg, 0.1, 10.0, "deg"),
+            ("free_viewing_s", self.free_viewing_s[0], 0.05, 60.0, "s"),
+            ("free_viewing_s", self.free_viewing_s[1], 0.05, 60.0, "s"),
+            ("free_viewing_share", self.free_viewing_share, 0.0, 1.0, ""),
             ("blink_rate_per_min", self.blink_rate_per_min, 0.0, 60.0, "per minute"),
             ("blink_duration_s", self.blink_duration_s, 0.05, 1.0, "s"),
             ("blink_duration_sd_s", self.blink_duration_sd_s, 0.0, 0.5, "s"),
@@ -200,6 +226,13 @@ impl SimulatedEye {
                 field: "microsaccade_median_deg",
                 expected: format!("at most microsaccade_max_deg, {} deg", self.microsaccade_max_deg),
                 found: self.microsaccade_median_deg,
+            });
+        }
+        if self.free_viewing_s[0] > self.free_viewing_s[1] {
+            mistakes.push(EyeMistake {
+                field: "free_viewing_s",
+                expected: format!("the shortest time first, at most {} s", self.free_viewing_s[1]),
+                found: self.free_viewing_s[0],
             });
         }
         if self.microsaccade_rate_hz * self.microsaccade_refractory_s > 0.9 {

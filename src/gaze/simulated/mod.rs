@@ -3,10 +3,11 @@
 //! The eye ([`SimulatedEye`] has every parameter and its source) drifts, jerks, jumps to new targets and blinks; the
 //! tracker samples it on its own clock with noise, loss and delay. Samples depend on the parameters, the generator and
 //! what the eye was told to look at and when, never on how often anyone polls. It is no model of attention: it looks
-//! where [`GazeSource::look_at`] says.
+//! where [`GazeSource::look_at`] says, follows what [`GazeSource::pursue`] shows it, and in free viewing goes anywhere.
 
 mod eye;
 mod motion;
+mod pursuit;
 mod random;
 mod sphere;
 #[cfg(test)]
@@ -26,6 +27,17 @@ use std::collections::VecDeque;
 /// Instructions kept until the tracker's clock passes them; beyond this the newest replaces the last.
 const MAX_WAITING: usize = 4096;
 
+/// What an eye is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Told {
+    /// Look there.
+    LookAt(Direction),
+    /// Follow what is there now.
+    Pursue(Direction),
+    /// Look around.
+    LookAround,
+}
+
 /// A simulated eye and tracker.
 ///
 /// The tracker's first sample is taken at session time 0, sample k at k / `rate_hz`, and each arrives `latency_s`
@@ -40,9 +52,12 @@ pub struct Simulated {
     loss: Random,
     pupil: Random,
     next_sample: u64,
-    /// When the eye was told to look where, oldest first.
-    waiting: VecDeque<(f64, Direction)>,
-    last_goal: Direction,
+    /// When the eye was told what, oldest first.
+    waiting: VecDeque<(f64, Told)>,
+    last_told: Told,
+    around: Random,
+    /// In free viewing, when the eye wants to look somewhere else, s.
+    next_goal_s: Option<f64>,
     last_px: [[f64; 2]; 3],
 }
 
@@ -78,7 +93,10 @@ impl Simulated {
             pupil: Random::split_from(&mut generator),
             next_sample: 0,
             waiting: VecDeque::new(),
-            last_goal: start,
+            last_told: Told::LookAt(start),
+            // Last, so that eyes which never look around are what they were before there was free viewing.
+            around: Random::split_from(&mut generator),
+            next_goal_s: None,
             last_px: [display.resolution_px().map(|extent| 0.5 * f64::from(extent)); 3],
         })
     }
@@ -89,12 +107,41 @@ impl Simulated {
         &self.eye
     }
 
+    /// Turns to one goal after the other, while viewing is free.
+    fn look_around_until(&mut self, t_s: f64) {
+        while let Some(goal_s) = self.next_goal_s.filter(|&goal_s| goal_s <= t_s) {
+            let half_deg = self.display.half_field_deg();
+            let goal_deg =
+                half_deg.map(|half| half * self.eye.free_viewing_share * (2.0 * self.around.uniform() - 1.0));
+            self.motion.look_at(goal_s, direction_from_deg(&self.display, goal_deg));
+            let [shortest_s, longest_s] = self.eye.free_viewing_s;
+            self.next_goal_s = Some(goal_s + shortest_s + (longest_s - shortest_s) * self.around.uniform());
+        }
+    }
+
+    /// Notes what the eye is told, in order.
+    fn tell(&mut self, now_s: f64, told: Told) {
+        self.last_told = told;
+        let earliest_s = self.waiting.back().map_or(0.0, |(told_s, _)| *told_s);
+        if self.waiting.len() == MAX_WAITING {
+            self.waiting.pop_back();
+        }
+        self.waiting.push_back((now_s.max(earliest_s), told));
+    }
+
     /// Takes the next sample off the tracker's clock.
     fn sample(&mut self, t_s: f64) -> GazeSample {
         // Bring the eye to this instant, through whatever it was told in between.
-        while let Some((told_s, goal)) = self.waiting.pop_front_if(|(told_s, _)| *told_s <= t_s) {
-            self.motion.look_at(told_s, goal);
+        while let Some((told_s, told)) = self.waiting.pop_front_if(|(told_s, _)| *told_s <= t_s) {
+            self.look_around_until(told_s);
+            match told {
+                Told::LookAt(goal) => self.motion.look_at(told_s, goal),
+                Told::Pursue(target) => self.motion.pursue(told_s, target),
+                Told::LookAround => {}
+            }
+            self.next_goal_s = (told == Told::LookAround).then_some(told_s);
         }
+        self.look_around_until(t_s);
         self.motion.advance(t_s);
 
         // Measure both eyes with independent noise. Every draw is made for every sample, valid or not, so that one
@@ -167,16 +214,24 @@ impl GazeSource for Simulated {
         if !now_s.is_finite() || target_deg.iter().any(|x| !x.is_finite()) {
             return;
         }
-        let goal = direction_from_deg(&self.display, target_deg);
         // A stage may repeat itself at every frame; only a change reaches the eye, so that frames do not shape samples.
-        if goal == self.last_goal {
-            return;
+        let told = Told::LookAt(direction_from_deg(&self.display, target_deg));
+        if told != self.last_told {
+            self.tell(now_s, told);
         }
-        self.last_goal = goal;
-        let earliest_s = self.waiting.back().map_or(0.0, |(told_s, _)| *told_s);
-        if self.waiting.len() == MAX_WAITING {
-            self.waiting.pop_back();
+    }
+
+    /// The eye follows smoothly after a lag, with saccades where it falls behind. Places that are not finite are ignored.
+    fn pursue(&mut self, now_s: f64, target_deg: [f64; 2]) {
+        if now_s.is_finite() && target_deg.iter().all(|x| x.is_finite()) {
+            self.tell(now_s, Told::Pursue(direction_from_deg(&self.display, target_deg)));
         }
-        self.waiting.push_back((now_s.max(earliest_s), goal));
+    }
+
+    /// The eye turns to one place after the other, anywhere in the middle of the display.
+    fn look_around(&mut self, now_s: f64) {
+        if now_s.is_finite() && self.last_told != Told::LookAround {
+            self.tell(now_s, Told::LookAround);
+        }
     }
 }

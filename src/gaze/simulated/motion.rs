@@ -4,6 +4,7 @@
 //! instant to the next. The tracker in front of the eye, with its rate, noise and delay, is the parent module.
 
 use super::eye::SimulatedEye;
+use super::pursuit::Pursuit;
 use super::random::Random;
 use super::sphere::{Direction, step_deg, stepped};
 use rand_chacha::ChaCha8Rng;
@@ -53,6 +54,7 @@ pub(super) struct Motion {
     offset_deg: [f64; 2],
     moving: Option<Movement>,
     planned: Option<Planned>,
+    pursuit: Option<Pursuit>,
     next_microsaccade_s: f64,
     blink_s: (f64, f64),
     drift: Random,
@@ -72,6 +74,7 @@ impl Motion {
             offset_deg: [0.0; 2],
             moving: None,
             planned: None,
+            pursuit: None,
             next_microsaccade_s: 0.0,
             blink_s: (0.0, 0.0),
             drift: Random::split_from(generator),
@@ -90,13 +93,29 @@ impl Motion {
     /// it, so that a target in steady motion is followed in steps (Becker & Jürgens 1979, without their dead time).
     pub(super) fn look_at(&mut self, t_s: f64, goal: Direction) {
         self.advance(t_s);
-        if goal == self.goal {
+        let pursued = self.pursuit.take().is_some();
+        if goal == self.goal && !pursued {
             return;
         }
         self.goal = goal;
         if self.planned.is_none_or(|planned| planned.corrective) {
             let onset_s = self.now_s + self.saccade_latency_s();
             self.planned = Some(Planned { onset_s, corrective: false });
+        }
+    }
+
+    /// What the observer follows is at `target` at `t_s`. The eye moves as fast as the target did a little earlier, and
+    /// catches up with a saccade where it falls too far behind.
+    pub(super) fn pursue(&mut self, t_s: f64, target: Direction) {
+        self.advance(t_s);
+        self.goal = target;
+        let began = self.pursuit.is_none();
+        let (lag_s, gain) = (self.eye.pursuit_lag_s, self.eye.pursuit_gain);
+        self.pursuit.get_or_insert_with(Pursuit::default).target_at(self.now_s, target, lag_s, gain);
+        let behind_deg = experiments::display::angle_between_deg(self.direction(), target);
+        if behind_deg > self.eye.catch_up_threshold_deg && self.moving.is_none() && self.planned.is_none() {
+            let latency_s = if began { self.saccade_latency_s() } else { self.eye.corrective_latency_s };
+            self.planned = Some(Planned { onset_s: self.now_s + latency_s, corrective: !began });
         }
     }
 
@@ -152,7 +171,12 @@ impl Motion {
         let from = self.direction();
         let scatter = self.eye.saccade_gain_sd * self.saccade.normal();
         let gain = if planned.corrective { 1.0 } else { (self.eye.saccade_gain + scatter).clamp(0.3, 1.5) };
-        self.start(from, step_deg(from, self.goal).map(|x| x * gain), false);
+        // A saccade to something that moves aims at where it will be.
+        let straight_deg = step_deg(from, self.goal);
+        let lasting_s = self.saccade_duration_s(straight_deg);
+        let landing_s = self.now_s + lasting_s;
+        let aim = self.pursuit.as_ref().map_or(self.goal, |pursuit| pursuit.target_expected_at(landing_s, self.goal));
+        self.start(from, step_deg(from, aim).map(|x| x * gain), false);
     }
 
     fn start_microsaccade(&mut self) {
@@ -174,15 +198,25 @@ impl Motion {
     }
 
     fn start(&mut self, from: Direction, way_deg: [f64; 2], micro: bool) {
-        let amplitude_deg = way_deg[0].hypot(way_deg[1]);
-        let duration_s = self.eye.saccade_duration_base_s + self.eye.saccade_duration_per_deg_s * amplitude_deg;
+        let duration_s = self.saccade_duration_s(way_deg);
         self.moving = Some(Movement { from, way_deg, onset_s: self.now_s, landing_s: self.now_s + duration_s, micro });
+    }
+
+    fn saccade_duration_s(&self, way_deg: [f64; 2]) -> f64 {
+        let amplitude_deg = way_deg[0].hypot(way_deg[1]);
+        self.eye.saccade_duration_base_s + self.eye.saccade_duration_per_deg_s * amplitude_deg
     }
 
     fn land(&mut self, movement: Movement) {
         let landed = stepped(movement.from, movement.way_deg);
         if movement.micro {
             self.offset_deg = step_deg(self.anchor, landed);
+            return;
+        }
+        if self.pursuit.is_some() {
+            // Pursuit goes on from here; whether the target was met shows when it is seen next.
+            (self.anchor, self.offset_deg) = (landed, [0.0; 2]);
+            self.next_microsaccade_s = self.now_s + self.microsaccade_interval_s();
             return;
         }
         let missed_deg = step_deg(self.goal, landed);
@@ -203,10 +237,12 @@ impl Motion {
         if step_s <= 0.0 {
             return;
         }
+        let way_deg = self.pursuit.as_mut().map_or([0.0; 2], |pursuit| pursuit.way_deg(self.now_s, t_s));
         self.now_s = t_s;
         if self.moving.is_some() {
             return;
         }
+        self.anchor = stepped(self.anchor, way_deg);
         let time_s = self.eye.drift_time_constant_s;
         let kept = (-step_s / time_s).exp();
         let variance_arcmin2 = self.eye.drift_diffusion_arcmin2_s * time_s * -(-2.0 * step_s / time_s).exp_m1();

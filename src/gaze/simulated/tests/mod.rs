@@ -1,5 +1,6 @@
 //! Tests of the simulated eye: its movements against the cited formulae, its tracker against the parameters.
 
+mod following;
 mod movements;
 mod tracker;
 
