@@ -19,9 +19,8 @@ pub enum ProcedureDraft {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConstantDraft {
-    /// Renderer parameter → the values it takes; the levels are all combinations. Eccentricity and MAR that have no list
-    /// keep the condition's value.
-    #[schemars(required)]
+    /// Renderer parameter → the values it takes; the levels are all combinations. Parameters that have no list keep the
+    /// condition's value, and without any list that is the one level.
     pub levels: Option<BTreeMap<String, Option<NumberList>>>,
     /// How often each level is shown.
     #[schemars(required, range(min = 1, max = 100000))]

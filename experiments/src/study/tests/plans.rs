@@ -40,7 +40,8 @@ fn what_a_constant_block_does_not_vary_comes_from_its_condition() {
     let plan = parse(&text).expect("no mistake");
     let levels = plan.blocks[0].procedure.levels();
     assert_eq!(levels.len(), 3);
-    assert!(levels.iter().all(|level| (level["eccentricity_deg"] - 7.5).abs() < 1e-12));
+    let condition = &plan.blocks[0].cells[0].condition;
+    assert!(levels.iter().all(|level| (condition.tested_at(level)[0].expect("a ring") - 7.5).abs() < 1e-12));
 }
 
 #[test]

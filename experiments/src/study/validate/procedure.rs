@@ -7,6 +7,7 @@ use crate::study::draft::{AxisDraft, ConstantDraft, PriorDraft, ProcedureDraft, 
 use crate::study::mistakes::{Report, suggestion};
 use crate::study::plan::{Condition, ConstantPlan, Level, MarAxes, ProcedurePlan, QuestPlusPlan, StopRule};
 use crate::study::source::Field;
+use std::collections::BTreeMap;
 
 /// The most levels of a constant block.
 const MOST_LEVELS: usize = 10_000;
@@ -45,8 +46,9 @@ fn constant(
 ) -> Option<ConstantPlan> {
     let levels_field = field.key("levels");
     let axes = MarAxes::default();
-    let lists = draft.levels.as_ref()?;
-    if lists.is_empty() {
+    let unstated = BTreeMap::new();
+    let lists = draft.levels.as_ref().unwrap_or(&unstated);
+    if draft.levels.is_some() && lists.is_empty() {
         report.at(&levels_field, "expected at least one renderer parameter with its values, found an empty object");
         return None;
     }
@@ -69,24 +71,26 @@ fn constant(
     }
 
     // All combinations. A list with a gap has been reported, and says nothing about the others.
-    let mut lists: Vec<(&str, Vec<f64>)> = lists
+    let lists: Vec<(&str, Vec<f64>)> = lists
         .iter()
         .map(|(name, values)| Some((name.as_str(), values.as_ref()?.iter().copied().collect::<Option<Vec<f64>>>()?)))
         .collect::<Option<_>>()?;
-    // What the condition holds constant belongs to the level too, so that every trial can be analysed.
-    for axis in [&axes.eccentricity, &axes.mar] {
-        let constant = target.and_then(|(condition, _)| condition.renderer_parameters.get(axis));
-        if let Some(ParameterValue::Number(value)) = constant.filter(|_| lists.iter().all(|(name, _)| name != axis)) {
-            lists.push((axis, vec![*value]));
-        }
-    }
     let count = lists.iter().map(|(_, values)| values.len()).fold(1_usize, usize::saturating_mul);
     if count > MOST_LEVELS {
         report.at(&levels_field, format!("expected at most {MOST_LEVELS} combinations of levels, found {count}"));
         return None;
     }
     if let Some(geometry) = geometry {
-        report_too_fine(&lists, &axes, geometry, &levels_field, report);
+        // What the condition holds constant is shown with every level.
+        let mut shown = lists.clone();
+        for axis in [&axes.eccentricity, &axes.mar] {
+            let constant = target.and_then(|(condition, _)| condition.renderer_parameters.get(axis));
+            if let Some(ParameterValue::Number(value)) = constant.filter(|_| lists.iter().all(|(name, _)| name != axis))
+            {
+                shown.push((axis, vec![*value]));
+            }
+        }
+        report_too_fine(&shown, &axes, geometry, &levels_field, report);
     }
     let repetitions = draft.repetitions?;
     let trials = count.saturating_mul(repetitions as usize);
