@@ -22,9 +22,10 @@ lint: need ## Formatting, lints and the documentation build
 bench: need ## Milliseconds a frame, per QUEST+ trial and per fit
 	cargo bench
 
-window: need ## Ten trials in a real window on a virtual display, with injected keys and mouse
+window: need ## Real windows on a virtual display, with injected keys and mouse: ten trials, and one of every protocol
 	cargo build --release
 	tests/window/drive
+	tests/window/tour
 
 need:
 	@scripts/need
