@@ -13,7 +13,7 @@ mod shipped;
 mod source;
 mod structure;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 pub mod validate;
 
 pub use describe::{Description, describe};

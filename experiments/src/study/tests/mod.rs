@@ -3,13 +3,14 @@
 mod hostile;
 mod kinds;
 mod plans;
+mod procedures;
 mod shipped;
 
 use super::{Mistakes, Plan, parse_study};
 use crate::catalogue::{Catalogue, DetailLaw, ParameterSchema, RendererInfo, SceneInfo};
 
 /// The scenes and renderers that the shipped studies name, without `stimuli`.
-fn catalogue() -> Catalogue {
+pub(crate) fn catalogue() -> Catalogue {
     let scene = |id: &str, parameters| SceneInfo {
         id: id.to_owned(),
         version: 1,
