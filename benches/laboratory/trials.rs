@@ -23,7 +23,7 @@ fn demo_plan() -> Option<QuestPlusPlan> {
     let plan = parse_study(study.name, study.json, &stimuli::catalogue(), None).ok()?;
     plan.blocks.into_iter().find_map(|block| match block.procedure {
         ProcedurePlan::QuestPlus(plan) => Some(plan),
-        ProcedurePlan::Constant(_) => None,
+        _ => None,
     })
 }
 
@@ -40,9 +40,10 @@ pub(crate) fn bench(criterion: &mut Criterion) {
     let fresh = MarQuestPlus::new(&plan);
     let mut procedure = fresh.clone();
     let mut answered = 0;
+    let most_trials = plan.stop.max_trials().unwrap_or(u32::MAX);
     criterion.bench_function("QUEST+ trial of mar-demo (level and update)", |bencher| {
         bencher.iter(|| {
-            if answered == plan.stop.max_trials {
+            if answered == most_trials {
                 (procedure, answered) = (fresh.clone(), 0);
             }
             answered += 1;

@@ -7,135 +7,100 @@
 //! tell whether it is a line at all. A balanced plan therefore fixes the eccentricities, each equally often in shuffled
 //! rounds, and leaves only omega to the procedure.
 
-use super::quest_plus::QuestPlus;
-use super::{Belief, Estimate, Procedure};
-use crate::mar::MarModel;
-use crate::study::plan::{Level, QuestPlusPlan};
-use rand::seq::SliceRandom;
+use super::on_grid::OnGrid;
+use super::tabulation::{Grid, Tabulation};
+use super::{Estimate, Procedure};
+use crate::study::plan::{Axis, Function, Harder, Level, QuestPlusPlan};
 use rand_chacha::ChaCha8Rng;
 
 /// Guess rate of a two-alternative forced choice.
 pub const GUESS: f64 = 0.5;
 
-/// The adaptive procedure of the calibration study.
+/// The adaptive procedure of the calibration study. Estimates `m`, `omega0_deg`, `width` and `lapse`.
 #[derive(Debug, Clone)]
-pub struct MarQuestPlus {
-    plan: QuestPlusPlan,
-    engine: QuestPlus,
-    /// The parameter values, in the engine's order.
-    models: Vec<MarModel>,
-    /// Indices of the levels at each eccentricity.
-    groups: Vec<Vec<usize>>,
-    /// Groups still to come in this round, the next one last; unused when not balanced.
-    round: Vec<usize>,
-    completed: u32,
-}
+pub struct MarQuestPlus(OnGrid);
 
 impl MarQuestPlus {
-    /// Tabulates the model for every level and parameter value of `plan`, with a uniform prior over the grid.
+    /// Starts the procedure; the first one of a plan tabulates the model for every level and parameter value, with a uniform
+    /// prior over the grid.
     #[must_use]
     pub fn new(plan: &QuestPlusPlan) -> Self {
-        let mut models = Vec::new();
-        for &m in &plan.m {
-            for &omega0_deg in &plan.omega0_deg {
-                for &width in &plan.width {
-                    for &lapse in &plan.lapse {
-                        models.push(MarModel { m, omega0_deg, width, lapse });
-                    }
+        let tabulation = tabulation(plan);
+        let groups = if plan.balanced {
+            let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
+            for (index, &[_, eccentricity]) in tabulation.stimuli.iter().enumerate() {
+                match groups.iter_mut().find(|(e, _)| *e == eccentricity) {
+                    Some((_, members)) => members.push(index),
+                    None => groups.push((eccentricity, vec![index])),
                 }
             }
-        }
-        let value = |level: &Level, name: &str| level.get(name).copied().unwrap_or(f64::NAN);
-        let stimuli: Vec<(f64, f64)> = plan
-            .levels
-            .iter()
-            .map(|level| (value(level, &plan.axes.eccentricity), value(level, &plan.axes.mar)))
-            .collect();
-        let engine = QuestPlus::new(stimuli.len(), vec![1.0; models.len()], |s, t| {
-            models[t].probability_correct(stimuli[s].0, stimuli[s].1, GUESS)
-        });
-        let mut groups: Vec<(f64, Vec<usize>)> = Vec::new();
-        for (index, &(eccentricity, _)) in stimuli.iter().enumerate() {
-            match groups.iter_mut().find(|(e, _)| *e == eccentricity) {
-                Some((_, members)) => members.push(index),
-                None => groups.push((eccentricity, vec![index])),
-            }
-        }
-        let groups = groups.into_iter().map(|(_, members)| members).collect();
-        Self { plan: plan.clone(), engine, models, groups, round: Vec::new(), completed: 0 }
-    }
-
-    fn belief(&self, of: impl Fn(&MarModel) -> f64) -> Belief {
-        let weighted = |f: &dyn Fn(f64) -> f64| -> f64 {
-            self.models.iter().zip(self.engine.posterior()).map(|(model, p)| p * f(of(model))).sum()
+            groups.into_iter().map(|(_, members)| members).collect()
+        } else {
+            vec![(0..plan.levels.len()).collect()]
         };
-        let mean = weighted(&|x| x);
-        Belief { mean, sd: weighted(&|x| (x - mean).powi(2)).sqrt() }
+        let names = [Some("m"), Some("omega0_deg"), Some("width"), Some("lapse"), None];
+        let reported = (names, tabulation.grid.clone());
+        Self(OnGrid::new(&plan.levels, groups, &tabulation, &plan.tables, reported, &plan.stop))
+    }
+}
+
+/// The MAR model as a psychometric function: a cumulative Gauss of ln omega, whose threshold is linear in eccentricity.
+fn tabulation(plan: &QuestPlusPlan) -> Tabulation {
+    let value = |level: &Level, name: &str| level.get(name).copied().unwrap_or(f64::NAN);
+    let stimulus = |level: &Level| [value(level, &plan.axes.mar), value(level, &plan.axes.eccentricity)];
+    Tabulation {
+        stimuli: plan.levels.iter().map(stimulus).collect(),
+        grid: Grid {
+            threshold_slope: plan.m.clone(),
+            threshold: plan.omega0_deg.clone(),
+            width: plan.width.clone(),
+            lapse: plan.lapse.clone(),
+            guess: vec![GUESS],
+        },
+        function: Function::CumulativeGauss,
+        axis: Axis::Log,
+        harder: Harder::Down,
     }
 }
 
 impl Procedure for MarQuestPlus {
     fn level(&mut self, rng: &mut ChaCha8Rng) -> Level {
-        let best = if self.plan.balanced {
-            if self.round.is_empty() {
-                self.round = (0..self.groups.len()).collect();
-                self.round.shuffle(rng);
-            }
-            let group = self.round.last().and_then(|&group| self.groups.get(group));
-            group.and_then(|group| self.engine.best_among(group.iter().copied()))
-        } else {
-            self.engine.best_among(0..self.plan.levels.len())
-        };
-        best.and_then(|best| self.plan.levels.get(best)).cloned().unwrap_or_default()
+        self.0.level(rng)
     }
 
     fn update(&mut self, level: &Level, correct: bool) {
-        self.completed += 1;
-        self.round.pop();
-        if let Some(stimulus) = self.plan.levels.iter().position(|candidate| candidate == level) {
-            self.engine.update(stimulus, correct);
-        }
+        self.0.update(level, correct);
     }
 
-    /// Nothing to do: an unanswered level has taught nothing, so it is still the best one to show, and its eccentricity is
-    /// still the next.
-    fn put_back(&mut self, _level: Level, _rng: &mut ChaCha8Rng) {}
+    fn put_back(&mut self, level: Level, rng: &mut ChaCha8Rng) {
+        self.0.put_back(level, rng);
+    }
 
     fn finished(&self) -> bool {
-        let stop = &self.plan.stop;
-        if self.completed >= stop.max_trials {
-            return true;
-        }
-        if self.completed < stop.min_trials || !stop.has_posterior_rule() {
-            return false;
-        }
-        let narrow = |limit: Option<f64>, belief: Belief| limit.is_none_or(|limit| belief.sd <= limit * belief.mean);
-        narrow(stop.m_relative_sd, self.belief(|model| model.m))
-            && narrow(stop.omega0_relative_sd, self.belief(|model| model.omega0_deg))
+        self.0.finished()
     }
 
     fn estimate(&self) -> Estimate {
-        Estimate::from([
-            ("m".to_owned(), self.belief(|model| model.m)),
-            ("omega0_deg".to_owned(), self.belief(|model| model.omega0_deg)),
-            ("width".to_owned(), self.belief(|model| model.width)),
-            ("lapse".to_owned(), self.belief(|model| model.lapse)),
-        ])
+        self.0.estimate()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mar::MarModel;
+    use crate::procedures::quest_plus::Tables;
     use crate::streams::Stream;
-    use crate::study::plan::{MarAxes, StopRule};
+    use crate::study::plan::{MarAxes, Stop};
+    use crate::study::{parse_study, shipped};
     use rand::RngExt;
+    use std::collections::BTreeMap;
 
     fn log_grid(min: f64, max: f64, steps: i32) -> Vec<f64> {
         (0..steps).map(|i| min * (max / min).powf(f64::from(i) / f64::from(steps - 1))).collect()
     }
 
-    fn plan(stop: StopRule) -> QuestPlusPlan {
+    fn plan(stop: Stop) -> QuestPlusPlan {
         let mut levels = Vec::new();
         for e in [0.0, 2.0, 5.0, 10.0] {
             for &omega in &log_grid(0.01, 2.0, 20) {
@@ -152,10 +117,11 @@ mod tests {
             width: log_grid(0.3, 1.5, 3),
             lapse: vec![0.0, 0.03],
             stop,
+            tables: Default::default(),
         }
     }
 
-    fn run(stop: StopRule, seed: u64) -> (u32, Estimate) {
+    fn run(stop: Stop, seed: u64) -> (u32, Estimate) {
         let truth = MarModel { m: 0.022, omega0_deg: 0.021, width: 0.6, lapse: 0.02 };
         let mut procedure = MarQuestPlus::new(&plan(stop));
         let mut rng = Stream::Observer.generator(seed);
@@ -164,14 +130,13 @@ mod tests {
             let p = truth.probability_correct(level["eccentricity_deg"], level["mar_deg"], GUESS);
             procedure.update(&level, rng.random::<f64>() < p);
         }
-        (procedure.completed, procedure.estimate())
+        (procedure.0.completed(), procedure.estimate())
     }
 
     #[test]
     fn it_closes_in_on_the_observer() {
-        let stop = StopRule { max_trials: 200, min_trials: 1, m_relative_sd: None, omega0_relative_sd: None };
         for seed in 1..=5 {
-            let (trials, estimate) = run(stop, seed);
+            let (trials, estimate) = run(Stop::Trials(200), seed);
             println!("seed {seed}: {trials} trials, {estimate:?}");
             assert_eq!(trials, 200);
             for (name, truth) in [("m", 0.022), ("omega0_deg", 0.021)] {
@@ -184,10 +149,9 @@ mod tests {
 
     #[test]
     fn a_balanced_plan_asks_at_every_eccentricity_equally_often_though_trials_abort() {
-        let stop = StopRule { max_trials: 80, min_trials: 1, m_relative_sd: None, omega0_relative_sd: None };
-        let mut procedure = MarQuestPlus::new(&QuestPlusPlan { balanced: true, ..plan(stop) });
+        let mut procedure = MarQuestPlus::new(&QuestPlusPlan { balanced: true, ..plan(Stop::Trials(80)) });
         let mut rng = Stream::Procedure.generator(9);
-        let mut counts = std::collections::BTreeMap::new();
+        let mut counts = BTreeMap::new();
         let mut shown = 0;
         while !procedure.finished() {
             let level = procedure.level(&mut rng);
@@ -205,16 +169,131 @@ mod tests {
 
     #[test]
     fn the_posterior_rule_ends_a_block_early_but_not_before_its_minimum() {
-        let stop = |relative| StopRule {
-            max_trials: 400,
-            min_trials: 30,
-            m_relative_sd: Some(relative),
-            omega0_relative_sd: None,
-        };
+        let stop = |relative| Stop::at_most(400, 30, &[("m", relative)]);
         let (loose, _) = run(stop(10.0), 1);
         assert_eq!(loose, 30);
         let (tight, estimate) = run(stop(0.12), 1);
         assert!(tight > 30 && tight < 400, "{tight}");
         assert!(estimate["m"].sd <= 0.12 * estimate["m"].mean);
+    }
+
+    #[test]
+    fn the_tables_are_the_mar_models() {
+        let plan = plan(Stop::Trials(1));
+        let tabulation = tabulation(&plan);
+        let mut models = Vec::new();
+        for &m in &plan.m {
+            for &omega0_deg in &plan.omega0_deg {
+                for &width in &plan.width {
+                    models.extend(plan.lapse.iter().map(|&lapse| MarModel { m, omega0_deg, width, lapse }));
+                }
+            }
+        }
+        let direct = Tables::of_success(plan.levels.len(), vec![1.0; models.len()], |s, t| {
+            let level = &plan.levels[s];
+            models[t].probability_correct(level["eccentricity_deg"], level["mar_deg"], GUESS)
+        });
+        assert!(tabulation.tables().largest_difference(&direct) < 1e-12);
+    }
+
+    /// QUEST+ as plainly as it can be written: f64 throughout, every parameter value in every sum, the expected entropy by
+    /// its definition. What the engine leaves out to be fast must not change what it asks.
+    struct Plain {
+        stimuli: Vec<[f64; 2]>,
+        models: Vec<MarModel>,
+        posterior: Vec<f64>,
+        /// Right answers' probabilities, a row for each stimulus.
+        success: Vec<Vec<f64>>,
+    }
+
+    impl Plain {
+        fn new(plan: &QuestPlusPlan) -> Self {
+            let mut models = Vec::new();
+            for &m in &plan.m {
+                for &omega0_deg in &plan.omega0_deg {
+                    for &width in &plan.width {
+                        models.extend(plan.lapse.iter().map(|&lapse| MarModel { m, omega0_deg, width, lapse }));
+                    }
+                }
+            }
+            let stimuli: Vec<[f64; 2]> =
+                plan.levels.iter().map(|level| [level["eccentricity_deg"], level["mar_deg"]]).collect();
+            let row = |&[e, omega]: &[f64; 2]| models.iter().map(|m| m.probability_correct(e, omega, GUESS)).collect();
+            let success = stimuli.iter().map(row).collect();
+            Self { posterior: vec![1.0 / models.len() as f64; models.len()], stimuli, models, success }
+        }
+
+        /// Expected entropy, by Bayes for each outcome: H = Σ_o P(o) H(θ | o) = Σ_o (P ln P − Σ q ln q), q = p ψ_o.
+        fn expected_entropy(&self, stimulus: usize) -> f64 {
+            let mut expected = 0.0;
+            for right in [false, true] {
+                let (mut sum, mut parts) = (0.0, 0.0);
+                for (p, psi) in self.posterior.iter().zip(&self.success[stimulus]) {
+                    let q = p * if right { *psi } else { 1.0 - psi };
+                    if q > 0.0 {
+                        sum += q;
+                        parts += q * q.ln();
+                    }
+                }
+                expected += sum * sum.ln() - parts;
+            }
+            expected
+        }
+
+        fn update(&mut self, stimulus: usize, right: bool) {
+            for (p, psi) in self.posterior.iter_mut().zip(&self.success[stimulus]) {
+                *p *= if right { *psi } else { 1.0 - psi };
+            }
+            let sum: f64 = self.posterior.iter().sum();
+            self.posterior.iter_mut().for_each(|p| *p /= sum);
+        }
+    }
+
+    /// Two whole sessions of the shipped calibration against the plain engine: at every trial the asked level has the least
+    /// expected entropy of its eccentricity, within rounding, and the two posteriors stay one.
+    #[test]
+    fn the_fast_engine_asks_what_the_plain_one_asks() {
+        let study = shipped().iter().find(|study| study.name == "mar-calibration").expect("ships");
+        let catalogue = crate::study::tests::catalogue();
+        let plan = parse_study(study.name, study.json, &catalogue, None).expect("parses");
+        let plan = plan.blocks.into_iter().find_map(|block| match block.procedure {
+            crate::study::plan::ProcedurePlan::QuestPlus(plan) => Some(plan),
+            _ => None,
+        });
+        let plan = QuestPlusPlan { stop: Stop::Trials(200), ..plan.expect("adaptive") };
+        for (seed, truth) in [
+            (1, MarModel { m: 0.022, omega0_deg: 0.021, width: 0.6, lapse: 0.02 }),
+            (2, MarModel { m: 0.04, omega0_deg: 0.05, width: 1.5, lapse: 0.04 }),
+        ] {
+            let mut plain = Plain::new(&plan);
+            let mut fast = MarQuestPlus::new(&plan);
+            let mut rng = Stream::Observer.generator(seed);
+            let mut ties = 0;
+            while !fast.finished() {
+                let level = fast.level(&mut rng);
+                let asked = plan.levels.iter().position(|candidate| *candidate == level).expect("a level of the plan");
+                let same_e = |&s: &usize| (plain.stimuli[s][0] - plain.stimuli[asked][0]).abs() < 1e-12;
+                let entropies: Vec<(usize, f64)> =
+                    (0..plain.stimuli.len()).filter(same_e).map(|s| (s, plain.expected_entropy(s))).collect();
+                let least = entropies.iter().min_by(|a, b| a.1.total_cmp(&b.1)).expect("stimuli");
+                if least.0 != asked {
+                    ties += 1;
+                    let at = entropies.iter().find(|(s, _)| *s == asked).expect("asked").1;
+                    assert!(at - least.1 < 1e-10, "seed {seed}: asked {asked} at {at}, least {least:?}");
+                }
+                let [e, omega] = plain.stimuli[asked];
+                let right = rng.random::<f64>() < truth.probability_correct(e, omega, GUESS);
+                fast.update(&level, right);
+                plain.update(asked, right);
+            }
+            let estimate = fast.estimate();
+            let of = |value: &dyn Fn(&MarModel) -> f64| -> f64 {
+                plain.models.iter().zip(&plain.posterior).map(|(model, p)| p * value(model)).sum()
+            };
+            println!("seed {seed}: {ties} ties, {estimate:?}");
+            assert!((estimate["m"].mean / of(&|model| model.m) - 1.0).abs() < 1e-9);
+            assert!((estimate["omega0_deg"].mean / of(&|model| model.omega0_deg) - 1.0).abs() < 1e-9);
+            assert!((estimate["lapse"].mean - of(&|model| model.lapse)).abs() < 1e-9);
+        }
     }
 }

@@ -3,8 +3,17 @@
 //! One file for each procedure. All are pure and deterministic in their random stream, so that a resumed session, which
 //! replays its journal, goes on exactly where it stopped.
 
+pub mod function_quest_plus;
 pub mod mar_quest_plus;
+mod on_grid;
+pub mod psi;
+pub mod psychometric;
+pub mod quest;
 pub mod quest_plus;
+pub mod staircase;
+pub mod tabulation;
+#[cfg(test)]
+mod tests;
 
 use crate::study::plan::{Level, ProcedurePlan};
 use rand_chacha::ChaCha8Rng;
@@ -29,15 +38,15 @@ pub trait Procedure: std::fmt::Debug {
     fn estimate(&self) -> Estimate;
 }
 
-/// Posterior mean and standard deviation by quantity name (`m`, `omega0_deg`, …).
+/// Mean and standard deviation by quantity name (`m`, `omega0_deg`, …): the posterior's, or of a staircase its reversals'.
 pub type Estimate = BTreeMap<String, Belief>;
 
 /// What a procedure believes about one quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Belief {
-    /// Posterior mean.
+    /// Posterior mean; of a staircase, the mean of its last reversals.
     pub mean: f64,
-    /// Posterior standard deviation.
+    /// Posterior standard deviation; of a staircase, the spread of its last reversals.
     pub sd: f64,
 }
 
@@ -46,6 +55,10 @@ pub struct Belief {
 pub fn start(plan: &ProcedurePlan, _rng: &mut ChaCha8Rng) -> Option<Box<dyn Procedure>> {
     match plan {
         ProcedurePlan::Constant(_) => None,
+        ProcedurePlan::Staircase(plan) => Some(Box::new(staircase::Staircase::new(plan))),
+        ProcedurePlan::Quest(plan) => Some(Box::new(quest::Quest::new(plan))),
         ProcedurePlan::QuestPlus(plan) => Some(Box::new(mar_quest_plus::MarQuestPlus::new(plan))),
+        ProcedurePlan::QuestPlusFunction(plan) => Some(Box::new(function_quest_plus::FunctionQuestPlus::new(plan))),
+        ProcedurePlan::Psi(plan) => Some(Box::new(psi::Psi::new(plan))),
     }
 }

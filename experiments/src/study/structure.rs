@@ -25,6 +25,9 @@ impl<'a> Walker<'a, '_> {
     fn check(&mut self, schema: &'a Value, node: &Node<'_>, field: &Field, unit: Option<&'a str>) -> Value {
         let unit = schema.get("x-unit").and_then(Value::as_str).or(unit);
         let schema = resolved(self.root, schema);
+        if let Some(names) = names_of(schema) {
+            return self.check_name(&names, node, field);
+        }
         if let Some(branches) = branches(schema) {
             return self.check_branches(branches, node, field);
         }
@@ -36,6 +39,17 @@ impl<'a> Walker<'a, '_> {
             (Node::NumberLit(number), "number" | "integer") => self.check_number(schema, number.value, field, unit),
             _ => self.refuse(schema, node, field, unit),
         }
+    }
+
+    /// One of a list of names.
+    fn check_name(&mut self, names: &[&str], node: &Node<'_>, field: &Field) -> Value {
+        let word = node.as_string_lit().map(|string| string.value.as_ref());
+        if let Some(name) = names.iter().find(|name| Some(**name) == word) {
+            return Value::from(*name);
+        }
+        let hint = suggestion(word.unwrap_or_default(), names.iter().copied());
+        self.report.at(field, format!("expected {}, found {}{hint}", quoted(names), found(node)));
+        Value::Null
     }
 
     fn refuse(&mut self, schema: &Value, node: &Node<'_>, field: &Field, unit: Option<&str>) -> Value {
@@ -188,6 +202,18 @@ fn branches(schema: &Value) -> Option<&[Value]> {
     schema.get("oneOf").or_else(|| schema.get("anyOf")).and_then(Value::as_array).map(Vec::as_slice)
 }
 
+/// The names that a schema of names accepts, whether they stand in a list or in alternatives with a text each.
+fn names_of(schema: &Value) -> Option<Vec<&str>> {
+    if let Some(list) = schema.get("enum").and_then(Value::as_array) {
+        return list.iter().map(Value::as_str).collect();
+    }
+    schema.get("oneOf").and_then(Value::as_array)?.iter().map(|name| name.get("const")?.as_str()).collect()
+}
+
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ")
+}
+
 fn type_of(schema: &Value) -> &str {
     schema.get("type").and_then(Value::as_str).unwrap_or_default()
 }
@@ -211,6 +237,9 @@ fn accepts_type(name: &str, node: &Node<'_>) -> bool {
 fn expectation(schema: &Value, field: &Field, unit: Option<&str>) -> String {
     if let Some(only) = schema.get("const") {
         return only.to_string();
+    }
+    if let Some(names) = names_of(schema) {
+        return quoted(&names);
     }
     if let Some(branches) = branches(schema) {
         let kinds: Vec<String> = branches.iter().filter_map(kind_of).map(|kind| format!("\"{kind}\"")).collect();

@@ -1,5 +1,11 @@
 //! How the next level is chosen, as a study writes it.
 
+mod adaptive;
+mod stop;
+
+pub use adaptive::*;
+pub use stop::*;
+
 use super::NumberList;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -11,8 +17,16 @@ use std::collections::BTreeMap;
 pub enum ProcedureDraft {
     /// Constant stimuli: every level, so many times, shuffled.
     Constant(ConstantDraft),
+    /// A staircase on one parameter: n-up-m-down, or weighted.
+    Staircase(Box<StaircaseDraft>),
+    /// QUEST on one parameter.
+    Quest(Box<QuestDraft>),
     /// QUEST+ over the MAR model, omega = m·e + omega0.
     QuestPlus(Box<QuestPlusDraft>),
+    /// QUEST+ over a psychometric function of one parameter, whose threshold may be linear in a second one.
+    QuestPlusFunction(Box<FunctionDraft>),
+    /// Psi: threshold and slope of a psychometric function of one parameter.
+    Psi(Box<PsiDraft>),
 }
 
 /// Constant stimuli: every level, so many times, shuffled.
@@ -41,7 +55,7 @@ pub struct QuestPlusDraft {
     pub prior: Option<PriorDraft>,
     /// When the block ends.
     #[schemars(required)]
-    pub stop: Option<StopDraft>,
+    pub stop: Option<MarStopDraft>,
 }
 
 /// The eccentricities that a procedure asks about.
@@ -112,22 +126,4 @@ pub struct RangeDraft {
     /// How many, both ends included.
     #[schemars(required, range(min = 2, max = 1000))]
     pub steps: Option<u32>,
-}
-
-/// When an adaptive block ends: at `max_trials`, or from `min_trials` on as soon as every rule that is given holds.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct StopDraft {
-    /// The block never has more completed trials.
-    #[schemars(required, range(min = 1, max = 100000))]
-    pub max_trials: Option<u32>,
-    /// The rules are not asked before; a quarter of `max_trials` when absent.
-    #[schemars(range(min = 1, max = 100000))]
-    pub min_trials: Option<u32>,
-    /// Posterior SD of m divided by its mean, at most.
-    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0))]
-    pub m_relative_sd: Option<f64>,
-    /// Posterior SD of omega0 divided by its mean, at most.
-    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0))]
-    pub omega0_relative_sd: Option<f64>,
 }

@@ -1,5 +1,11 @@
 //! How the next level is chosen.
 
+mod adaptive;
+mod stop;
+
+pub use adaptive::*;
+pub use stop::*;
+
 use super::Level;
 
 /// How the next level is chosen.
@@ -7,26 +13,47 @@ use super::Level;
 pub enum ProcedurePlan {
     /// Constant stimuli: every level, so many times, shuffled.
     Constant(ConstantPlan),
+    /// A transformed or weighted staircase on one parameter.
+    Staircase(StaircasePlan),
+    /// QUEST on one parameter.
+    Quest(QuestPlan),
     /// QUEST+ over the MAR model.
     QuestPlus(QuestPlusPlan),
+    /// QUEST+ over a psychometric function.
+    QuestPlusFunction(FunctionPlan),
+    /// Psi: threshold and slope of a psychometric function.
+    Psi(PsiPlan),
 }
 
 impl ProcedurePlan {
-    /// Every level that may be shown.
+    /// Every level that may be shown. A staircase and QUEST may show any level between two limits; of them these are the
+    /// two limits.
     #[must_use]
     pub fn levels(&self) -> &[Level] {
         match self {
             Self::Constant(plan) => &plan.levels,
+            Self::Staircase(plan) => plan.place.ends(),
+            Self::Quest(plan) => plan.place.ends(),
             Self::QuestPlus(plan) => &plan.levels,
+            Self::QuestPlusFunction(plan) => &plan.levels,
+            Self::Psi(plan) => &plan.levels,
         }
     }
 
-    /// The most trials that the block can have, aborted ones aside.
+    /// Whether levels are anything between two limits, rather than one of a list.
+    #[must_use]
+    pub fn is_continuous(&self) -> bool {
+        matches!(self, Self::Staircase(_) | Self::Quest(_))
+    }
+
+    /// The most trials that the block can have, aborted ones aside; `u32::MAX` where a rule sets no limit, which no
+    /// checked study has.
     #[must_use]
     pub fn max_trials(&self) -> u32 {
         match self {
             Self::Constant(plan) => plan.repetitions.saturating_mul(plan.levels.len() as u32),
-            Self::QuestPlus(plan) => plan.stop.max_trials,
+            Self::Staircase(plan) => in_every_track(plan, plan.stop.max_trials().unwrap_or(u32::MAX)),
+            adaptive => adaptive.stop().and_then(Stop::max_trials).unwrap_or(u32::MAX),
         }
     }
 
@@ -35,8 +62,21 @@ impl ProcedurePlan {
     pub fn min_trials(&self) -> u32 {
         match self {
             Self::Constant(_) => self.max_trials(),
-            Self::QuestPlus(plan) if plan.stop.has_posterior_rule() => plan.stop.min_trials,
-            Self::QuestPlus(plan) => plan.stop.max_trials,
+            Self::Staircase(plan) => in_every_track(plan, plan.stop.min_trials(|n| plan.fewest_trials(n))),
+            adaptive => adaptive.stop().map_or(0, |stop| stop.min_trials(|_| u32::MAX)),
+        }
+    }
+
+    /// When an adaptive procedure stops; nothing for constant stimuli. Of a staircase, each track has this rule to itself.
+    #[must_use]
+    pub fn stop(&self) -> Option<&Stop> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Staircase(plan) => Some(&plan.stop),
+            Self::Quest(plan) => Some(&plan.stop),
+            Self::QuestPlus(plan) => Some(&plan.stop),
+            Self::QuestPlusFunction(plan) => Some(&plan.stop),
+            Self::Psi(plan) => Some(&plan.stop),
         }
     }
 
@@ -47,19 +87,8 @@ impl ProcedurePlan {
     }
 }
 
-/// Which renderer parameters QUEST+ over the MAR model sets.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MarAxes {
-    /// The parameter that is the eccentricity, in degrees.
-    pub eccentricity: String,
-    /// The parameter that is omega, in degrees per cycle.
-    pub mar: String,
-}
-
-impl Default for MarAxes {
-    fn default() -> Self {
-        Self { eccentricity: "eccentricity_deg".to_owned(), mar: "mar_deg".to_owned() }
-    }
+fn in_every_track(plan: &StaircasePlan, trials: u32) -> u32 {
+    trials.saturating_mul(plan.start.len() as u32)
 }
 
 /// Constant stimuli.
@@ -69,49 +98,4 @@ pub struct ConstantPlan {
     pub levels: Vec<Level>,
     /// Times each level is shown.
     pub repetitions: u32,
-}
-
-/// QUEST+ over the MAR model (Watson 2017; the model is [`crate::mar::MarModel`]).
-#[derive(Debug, Clone, PartialEq)]
-pub struct QuestPlusPlan {
-    /// The stimuli: eccentricity × omega, without those finer than the display can show.
-    pub levels: Vec<Level>,
-    /// How many eccentricity × omega pairs were left out because the display cannot show them.
-    pub levels_beyond_display: usize,
-    /// Where eccentricity and omega are set.
-    pub axes: MarAxes,
-    /// Whether every eccentricity comes equally often, in shuffled rounds, so that the line can be held against the
-    /// thresholds; else the procedure asks wherever it learns most about the line, which is at its two ends.
-    pub balanced: bool,
-    /// Prior values of m, uniform.
-    pub m: Vec<f64>,
-    /// Prior values of omega0 in degrees per cycle, uniform.
-    pub omega0_deg: Vec<f64>,
-    /// Prior values of the width in ln omega, uniform.
-    pub width: Vec<f64>,
-    /// Prior values of the lapse rate, uniform.
-    pub lapse: Vec<f64>,
-    /// When to stop.
-    pub stop: StopRule,
-}
-
-/// When an adaptive block ends: at `max_trials`, or as soon as `min_trials` are done and every posterior rule holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StopRule {
-    /// The block never has more completed trials.
-    pub max_trials: u32,
-    /// The posterior rules are not asked before.
-    pub min_trials: u32,
-    /// Posterior SD of m divided by its mean, at most.
-    pub m_relative_sd: Option<f64>,
-    /// Posterior SD of omega0 divided by its mean, at most.
-    pub omega0_relative_sd: Option<f64>,
-}
-
-impl StopRule {
-    /// Whether the block can end before `max_trials`.
-    #[must_use]
-    pub fn has_posterior_rule(&self) -> bool {
-        self.m_relative_sd.is_some() || self.omega0_relative_sd.is_some()
-    }
 }

@@ -92,10 +92,10 @@ fn keys_and_types() {
 #[test]
 fn kinds_are_checked_against_the_branch_they_name() {
     assert_only(
-        &[(r#""kind": "quest-plus""#, r#""kind": "quest""#)],
+        &[(r#""kind": "quest-plus""#, r#""kind": "quest-pls""#)],
         45,
         "blocks[1].procedure.kind",
-        &[r#""constant" or "quest-plus""#, r#"found "quest"; did you mean "quest-plus"?"#],
+        &[r#""constant" or "staircase" or "quest""#, r#"found "quest-pls"; did you mean "quest-plus"?"#],
     );
     assert_only(&[(r#""kind": "constant","#, "")], 30, "blocks[0].procedure.kind", &[r#""constant""#, "no such key"]);
     assert_only(

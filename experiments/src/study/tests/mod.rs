@@ -5,6 +5,7 @@ mod hostile;
 mod kinds;
 mod machines;
 mod plans;
+mod procedures;
 mod protocols;
 mod shipped;
 
@@ -12,7 +13,7 @@ use super::{Mistakes, Plan, parse_study};
 use crate::catalogue::{Catalogue, DetailLaw, ParameterSchema, RendererInfo, SceneInfo};
 
 /// The scenes and renderers that the shipped studies name, without `stimuli`.
-fn catalogue() -> Catalogue {
+pub(crate) fn catalogue() -> Catalogue {
     let scene = |id: &str, parameters| SceneInfo {
         id: id.to_owned(),
         version: 1,

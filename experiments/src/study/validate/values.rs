@@ -1,6 +1,8 @@
 //! Lists and ranges of numbers, as procedures and priors write them.
 
+use crate::study::draft::SpanDraft;
 use crate::study::mistakes::Report;
+use crate::study::plan::Axis;
 use crate::study::source::Field;
 
 /// Values from `min` to `max` with equal ratios, reporting a range that is none.
@@ -17,6 +19,20 @@ pub(super) fn log_spaced(
         return None;
     }
     Some(geometric(min, max, steps?))
+}
+
+/// Values from `min` to `max`, with equal differences or on a log axis equal ratios (both ends above zero), reporting a range
+/// that is none.
+pub(super) fn spaced(range: &SpanDraft, axis: Axis, field: &Field, report: &mut Report<'_>) -> Option<Vec<f64>> {
+    let (Axis::Linear, Some(min), Some(max), Some(steps)) = (axis, range.min, range.max, range.steps) else {
+        return log_spaced(range.min, range.max, range.steps, field, report);
+    };
+    if min >= max {
+        report.at(&field.key("max"), format!("expected more than min ({min}), found {max}"));
+        return None;
+    }
+    let last = f64::from(steps.saturating_sub(1).max(1));
+    Some((0..steps).map(|step| min + (max - min) * (f64::from(step) / last)).collect())
 }
 
 /// `steps` (at least 2) values from `min` to `max` with equal ratios; both ends are exact.

@@ -1,6 +1,6 @@
 //! Protocols that move a parameter of the renderer within a trial: ramp, slider, adjustment.
 
-use super::super::procedure::{Place, in_bounds, number_parameter};
+use super::super::procedure::{Written, in_bounds, number_parameter};
 use super::super::values::listed;
 use super::compared::or_default;
 use super::{Context, one_of};
@@ -24,7 +24,7 @@ impl<'a> Context<'a> {
     /// The renderer's parameter of a name, reported where there is none.
     fn parameter(&self, name: Option<&str>, field: &Field, report: &mut Report<'_>) -> Option<&'a ParameterSchema> {
         let (name, (_, renderer)) = (name?, self.target?);
-        number_parameter(name, renderer, field, Place::Value, report)
+        number_parameter(name, renderer, field, Written::AsValue, report)
     }
 }
 

@@ -1,11 +1,17 @@
 //! Procedures against renderer and display: do the levels exist, are they in bounds, can they be shown?
 
+mod function;
+mod one_parameter;
+mod stop;
+mod track;
+
 use super::display::Geometry;
 use super::values::{geometric, listed, log_spaced};
 use crate::catalogue::{ParameterKind, ParameterSchema, ParameterValue, RendererInfo};
-use crate::study::draft::{AxisDraft, ConstantDraft, PriorDraft, ProcedureDraft, QuestPlusDraft, StopDraft};
+use crate::procedures::tabulation::Shared;
+use crate::study::draft::{AxisDraft, ConstantDraft, PriorDraft, ProcedureDraft, QuestPlusDraft};
 use crate::study::mistakes::{Report, suggestion};
-use crate::study::plan::{Condition, ConstantPlan, Level, MarAxes, ProcedurePlan, QuestPlusPlan, StopRule};
+use crate::study::plan::{Condition, ConstantPlan, Level, MarAxes, ProcedurePlan, QuestPlusPlan};
 use crate::study::source::Field;
 use std::collections::BTreeMap;
 
@@ -19,6 +25,13 @@ const MOST_CELLS: usize = 20_000_000;
 /// What the levels of a procedure are set on.
 type Target<'a> = Option<(&'a Condition, &'a RendererInfo)>;
 
+/// What the levels of a procedure are held against.
+#[derive(Clone, Copy)]
+struct Around<'a> {
+    target: Target<'a>,
+    geometry: Option<Geometry<'a>>,
+}
+
 /// A procedure with every level listed.
 pub(super) fn checked(
     draft: &ProcedureDraft,
@@ -27,10 +40,19 @@ pub(super) fn checked(
     field: &Field,
     report: &mut Report<'_>,
 ) -> Option<ProcedurePlan> {
+    let around = Around { target, geometry };
     match draft {
         ProcedureDraft::Constant(draft) => {
             constant(draft, target, geometry, field, report).map(ProcedurePlan::Constant)
         }
+        ProcedureDraft::Staircase(draft) => {
+            track::staircase(draft, around, field, report).map(ProcedurePlan::Staircase)
+        }
+        ProcedureDraft::Quest(draft) => track::quest(draft, around, field, report).map(ProcedurePlan::Quest),
+        ProcedureDraft::QuestPlusFunction(draft) => {
+            function::quest_plus(draft, around, field, report).map(ProcedurePlan::QuestPlusFunction)
+        }
+        ProcedureDraft::Psi(draft) => function::psi(draft, around, field, report).map(ProcedurePlan::Psi),
         ProcedureDraft::QuestPlus(draft) => {
             quest_plus(draft, target, geometry, field, report).map(ProcedurePlan::QuestPlus)
         }
@@ -57,7 +79,8 @@ fn constant(
     let before = report.count();
     for (name, values) in lists {
         let list_field = levels_field.key(name);
-        let schema = target.and_then(|(_, renderer)| number_parameter(name, renderer, &list_field, Place::Key, report));
+        let schema =
+            target.and_then(|(_, renderer)| number_parameter(name, renderer, &list_field, Written::AsKey, report));
         for (index, value) in listed(values.as_deref(), &list_field, report) {
             let field = list_field.item(index);
             let in_bounds = schema.is_none_or(|schema| in_bounds(schema, value, &field, report));
@@ -168,8 +191,9 @@ fn quest_plus(
 
     let eccentricities = draft.eccentricity.as_ref().and_then(|draft| {
         let parameter = &eccentricity_field.key("parameter");
-        let schema = target
-            .and_then(|(_, renderer)| number_parameter(&axes.eccentricity, renderer, parameter, Place::Value, report));
+        let schema = target.and_then(|(_, renderer)| {
+            number_parameter(&axes.eccentricity, renderer, parameter, Written::AsValue, report)
+        });
         let before = report.count();
         let values_field = eccentricity_field.key("values");
         let values = listed(draft.values.as_deref(), &values_field, report);
@@ -186,7 +210,7 @@ fn quest_plus(
     let mars = draft.mar.as_ref().and_then(|draft| {
         let parameter = &mar_field.key("parameter");
         let schema =
-            target.and_then(|(_, renderer)| number_parameter(&axes.mar, renderer, parameter, Place::Value, report));
+            target.and_then(|(_, renderer)| number_parameter(&axes.mar, renderer, parameter, Written::AsValue, report));
         let before = report.count();
         for (name, value) in [("min", draft.min), ("max", draft.max)] {
             if let Some((schema, value)) = schema.zip(value) {
@@ -201,7 +225,7 @@ fn quest_plus(
     });
 
     let prior = prior(draft.prior.as_ref(), &field.key("prior"), report);
-    let stop = draft.stop.as_ref().and_then(|draft| stop(draft, &field.key("stop"), report));
+    let stop = draft.stop.as_ref().and_then(|draft| stop::of_mar(draft, &field.key("stop"), report));
     let (levels, beyond) = levels?;
     let [m, omega0_deg, width, lapse] = prior?;
     let cells = [levels.len(), m.len(), omega0_deg.len(), width.len(), lapse.len()];
@@ -227,6 +251,7 @@ fn quest_plus(
         width,
         lapse,
         stop: stop?,
+        tables: Shared::default(),
     })
 }
 
@@ -310,26 +335,11 @@ fn grid(
     values.filter(|_| report.count() == before)
 }
 
-fn stop(draft: &StopDraft, field: &Field, report: &mut Report<'_>) -> Option<StopRule> {
-    let max_trials = draft.max_trials?;
-    let min_trials = draft.min_trials.unwrap_or_else(|| max_trials.div_ceil(4));
-    if min_trials > max_trials {
-        report.at(&field.key("min_trials"), format!("expected at most max_trials ({max_trials}), found {min_trials}"));
-        return None;
-    }
-    Some(StopRule {
-        max_trials,
-        min_trials,
-        m_relative_sd: draft.m_relative_sd,
-        omega0_relative_sd: draft.omega0_relative_sd,
-    })
-}
-
 /// Where a parameter's name stands: as a key, or as a value that may be absent.
 #[derive(Clone, Copy)]
-pub(super) enum Place {
-    Key,
-    Value,
+pub(super) enum Written {
+    AsKey,
+    AsValue,
 }
 
 /// A renderer's numeric parameter, reported where there is none.
@@ -337,7 +347,7 @@ pub(super) fn number_parameter<'r>(
     name: &str,
     renderer: &'r RendererInfo,
     field: &Field,
-    place: Place,
+    written: Written,
     report: &mut Report<'_>,
 ) -> Option<&'r ParameterSchema> {
     let is_number = |schema: &&ParameterSchema| matches!(schema.kind, ParameterKind::Number { .. });
@@ -351,9 +361,9 @@ pub(super) fn number_parameter<'r>(
         let hint = suggestion(name, known());
         let message =
             format!("expected a numeric parameter of the renderer \"{}\" ({names}), found {name:?}{hint}", renderer.id);
-        match place {
-            Place::Key => report.at_key(field, message),
-            Place::Value => report.at(field, message),
+        match written {
+            Written::AsKey => report.at_key(field, message),
+            Written::AsValue => report.at(field, message),
         }
     }
     schema
