@@ -167,7 +167,7 @@ mod tests {
         "lapse":{"estimate":0.01,"ci95":[0.001,0.03]},"display_limited":false},
         "thresholds":[{"eccentricity_deg":5.0,"mar_deg":0.13,"ci95":[0.11,0.15],"limited":false,"trials":80}],
         "trials":80,"trials_not_shown":0,"support":{"supported":true,"reasons":[]},"warnings":[],
-        "goodness":{"deviance":9.1,"pooled_levels":9,"p":0.4},"ess":2100.0}]}"#;
+        "goodness":{"deviance":9.1,"pooled_levels":9,"p":0.4,"simulations":500},"ess":2100.0}]}"#;
 
     #[test]
     fn old_documents_are_read_and_their_keys_are_written() {

@@ -3,9 +3,7 @@
 
 use super::strata::{Parts, strata};
 use super::{Protocol, Row};
-use crate::psychometric::{
-    Count, Direction, Guess, PsychometricConfig, PsychometricFit, Scale, fit_psychometric,
-};
+use crate::psychometric::{Count, Direction, Guess, PsychometricConfig, PsychometricFit, Scale, fit_psychometric};
 use crate::shares::Share;
 use experiments::trial::Answer;
 use serde::{Deserialize, Serialize};
@@ -130,10 +128,8 @@ fn part(
 fn cells(parameters: &[String], rows: &[&Row]) -> Vec<LevelCell> {
     let mut groups: Vec<(BTreeMap<String, f64>, Vec<&Row>)> = Vec::new();
     for &row in rows {
-        let level: BTreeMap<String, f64> = parameters
-            .iter()
-            .filter_map(|name| row.level.get(name).map(|&value| (name.clone(), value)))
-            .collect();
+        let level: BTreeMap<String, f64> =
+            parameters.iter().filter_map(|name| row.level.get(name).map(|&value| (name.clone(), value))).collect();
         match groups.iter_mut().find(|(known, _)| *known == level) {
             Some((_, rows)) => rows.push(row),
             None => groups.push((level, vec![row])),

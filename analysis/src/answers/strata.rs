@@ -32,8 +32,7 @@ pub(super) fn strata<'a>(rows: &'a [Row], parts: Parts<'_>) -> Vec<Stratum<'a>> 
         })
         .collect();
     let names: BTreeSet<&String> = labels.iter().flat_map(BTreeMap::keys).collect();
-    let varying: Vec<&String> =
-        names.into_iter().filter(|name| levels(&labels, name).len() > 1).collect();
+    let varying: Vec<&String> = names.into_iter().filter(|name| levels(&labels, name).len() > 1).collect();
 
     let mut strata = vec![Stratum { by: BTreeMap::new(), rows: rows.iter().collect() }];
     if varying.is_empty() {
@@ -89,7 +88,8 @@ mod tests {
 
     #[test]
     fn the_whole_then_levels_then_cells() {
-        let cell = |scene, k| row(Answer::First, Some(true)).in_cell("scene", scene).in_cell("k", k).in_cell("one", "1");
+        let cell =
+            |scene, k| row(Answer::First, Some(true)).in_cell("scene", scene).in_cell("k", k).in_cell("one", "1");
         let rows = [cell("b", "10"), cell("a", "9"), cell("a", "10")];
         let all = strata(&rows, Parts { cells: true, level_prefix: None });
         let expected = [

@@ -81,7 +81,10 @@ mod tests {
     fn answers_split_three_ways_and_counts_are_held_against_the_truth() {
         let trial = |task, answer, correct, counted: [f64; 2]| {
             let row = row(answer, Some(correct)).in_cell("task", task);
-            row.found("count_1", counted[0]).found("spheres_1", 12.0).found("count_2", counted[1]).found("spheres_2", 9.0)
+            row.found("count_1", counted[0])
+                .found("spheres_1", 12.0)
+                .found("count_2", counted[1])
+                .found("spheres_2", 9.0)
         };
         let mut rows = vec![
             trial("count", Answer::First, true, [12.0, 9.0]),

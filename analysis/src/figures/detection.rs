@@ -142,7 +142,8 @@ fn draw_legend(canvas: &mut Canvas, left: f64, detection: &Detection, groups: &[
     if groups.len() > 1 {
         for (group, color) in groups {
             let color = *color;
-            let names = detection.parameters.iter().zip(group).map(|(name, value)| format!("{name} {}", significant(*value)));
+            let names =
+                detection.parameters.iter().zip(group).map(|(name, value)| format!("{name} {}", significant(*value)));
             let mark: Mark = Box::new(move |canvas, at| canvas.circle(at, 4.0, &Paint::fill(color)));
             entries.push((names.collect::<Vec<_>>().join(", "), mark));
         }
@@ -154,7 +155,8 @@ fn draw_legend(canvas: &mut Canvas, left: f64, detection: &Detection, groups: &[
         entries.push(("share right, 95 % (Wilson)".to_owned(), mark));
     }
     if detection.parts.iter().any(|part| part.fit.is_some()) {
-        let curve: Mark = Box::new(|canvas, [x, y]| canvas.line([x - 11.0, y], [x + 11.0, y], &Paint::stroke(BLUE, 2.0)));
+        let curve: Mark =
+            Box::new(|canvas, [x, y]| canvas.line([x - 11.0, y], [x + 11.0, y], &Paint::stroke(BLUE, 2.0)));
         let threshold: Mark = Box::new(|canvas, [x, y]| {
             canvas.rect([x - 7.0, y - 8.0], [14.0, 16.0], &Paint::fill(GREEN).opacity(0.2));
             canvas.line([x, y - 8.0], [x, y + 8.0], &Paint::stroke(GREEN, 1.6));

@@ -139,15 +139,14 @@ pub fn ratings(ratings: &Ratings, item: &Item) -> String {
         .iter()
         .map(|&step| {
             let color = color(step, item.steps);
-            move |canvas: &mut Canvas, [x, y]: [f64; 2]| canvas.rect([x - 6.0, y - 6.0], [12.0, 12.0], &Paint::fill(color))
+            move |canvas: &mut Canvas, [x, y]: [f64; 2]| {
+                canvas.rect([x - 6.0, y - 6.0], [12.0, 12.0], &Paint::fill(color))
+            }
         })
         .collect();
     let texts: Vec<String> = steps.iter().map(|step| step.to_string().replace('-', "−")).collect();
-    let entries: Vec<crate::svg::Entry<'_>> = texts
-        .iter()
-        .zip(&marks)
-        .map(|(text, mark)| (text.as_str(), mark as &dyn Fn(&mut Canvas, [f64; 2])))
-        .collect();
+    let entries: Vec<crate::svg::Entry<'_>> =
+        texts.iter().zip(&marks).map(|(text, mark)| (text.as_str(), mark as &dyn Fn(&mut Canvas, [f64; 2]))).collect();
     let used = legend(&mut canvas, [24.0, 22.0], WIDTH - 48.0, &entries);
     let figure = Rows::new(
         rows.iter().map(|(name, rating)| format!("{name} ({})", rating.mean.n)).collect(),

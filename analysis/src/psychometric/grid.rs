@@ -33,8 +33,7 @@ pub(super) struct Integrated {
 }
 
 pub(super) fn integrate(posterior: &Posterior) -> Integrated {
-    let mut ends =
-        [posterior.thresholds(), posterior.widths().map(f64::ln), posterior.lapses(), posterior.guesses()];
+    let mut ends = [posterior.thresholds(), posterior.widths().map(f64::ln), posterior.lapses(), posterior.guesses()];
     for _ in 0..MOST_PASSES {
         let closer = Grid::evaluate(posterior, &ends, COARSE).closer(&ends);
         let shrunk = (0..4).any(|i| closer[i][1] - closer[i][0] < 0.8 * (ends[i][1] - ends[i][0]));

@@ -92,10 +92,8 @@ impl Direction {
         let total: f64 = counts.iter().map(|count| f64::from(count.n)).sum();
         let mean = counts.iter().map(|count| f64::from(count.n) * count.level).sum::<f64>() / total;
         let share = counts.iter().map(|count| f64::from(count.k)).sum::<f64>() / total;
-        let covariance: f64 = counts
-            .iter()
-            .map(|count| (count.level - mean) * (f64::from(count.k) - share * f64::from(count.n)))
-            .sum();
+        let covariance: f64 =
+            counts.iter().map(|count| (count.level - mean) * (f64::from(count.k) - share * f64::from(count.n))).sum();
         if covariance < 0.0 { Self::Falls } else { Self::Rises }
     }
 
@@ -190,7 +188,9 @@ pub enum PsychometricError {
         levels: usize,
     },
     /// A count is impossible.
-    #[error("level {level}: expected a finite level{positive} with at most as many right answers as answers, found {k} of {n}")]
+    #[error(
+        "level {level}: expected a finite level{positive} with at most as many right answers as answers, found {k} of {n}"
+    )]
     BadCount {
         /// The level.
         level: f64,
@@ -339,11 +339,8 @@ mod tests {
 
     #[test]
     fn impossible_counts_are_named() {
-        let config = PsychometricConfig {
-            scale: Scale::Logarithmic,
-            direction: Direction::Rises,
-            guess: Guess::Fixed(0.5),
-        };
+        let config =
+            PsychometricConfig { scale: Scale::Logarithmic, direction: Direction::Rises, guess: Guess::Fixed(0.5) };
         let count = |level, n, k| Count { level, n, k };
         let few = fit_psychometric(&[count(1.0, 4, 2), count(1.0, 4, 2), count(2.0, 4, 4), count(3.0, 0, 0)], &config);
         assert_eq!(few, Err(PsychometricError::FewLevels { levels: 2 }));
@@ -358,9 +355,7 @@ mod tests {
 
     #[test]
     fn the_direction_is_the_sign_of_the_covariance() {
-        let counts = |ks: [u32; 3]| {
-            [0, 1, 2].map(|i| Count { level: f64::from(i), n: 10, k: ks[i as usize] })
-        };
+        let counts = |ks: [u32; 3]| [0, 1, 2].map(|i| Count { level: f64::from(i), n: 10, k: ks[i as usize] });
         assert_eq!(Direction::of_counts(&counts([9, 5, 1])), Direction::Falls);
         assert_eq!(Direction::of_counts(&counts([1, 5, 9])), Direction::Rises);
         assert_eq!(Direction::of_counts(&counts([5, 5, 5])), Direction::Rises);

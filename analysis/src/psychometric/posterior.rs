@@ -83,8 +83,7 @@ impl Posterior {
     pub(super) fn ln_prior_place(&self, threshold: f64, width: f64) -> f64 {
         let spread = self.spread();
         let outside = (self.range[0] - threshold).max(threshold - self.range[1]).max(0.0);
-        let of_threshold =
-            if outside >= 0.5 * spread { 0.0 } else { 0.5 + 0.5 * (2.0 * PI * outside / spread).cos() };
+        let of_threshold = if outside >= 0.5 * spread { 0.0 } else { 0.5 + 0.5 * (2.0 * PI * outside / spread).cos() };
         let of_width = if width <= self.step || width >= 3.0 * spread {
             0.0
         } else if width < 2.0 * self.step {

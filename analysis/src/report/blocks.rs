@@ -273,7 +273,9 @@ pub(super) fn methods(input: &ReportInput) -> String {
         ));
     }
     if any(&|summary| matches!(summary, Summary::Ratings(_))) {
-        html.push_str("<p>Means of ratings take the steps of a scale for equal distances, which they need not be.</p>\n");
+        html.push_str(
+            "<p>Means of ratings take the steps of a scale for equal distances, which they need not be.</p>\n",
+        );
     }
     if any(&|summary| !matches!(summary, Summary::Nothing { .. })) {
         html.push_str(
@@ -301,8 +303,5 @@ pub(super) fn forms(forms: &[FormSummary]) -> String {
             })
         })
         .collect();
-    format!(
-        "<h3>Forms</h3>\n{}",
-        table("What the participant entered.", &["Form", "Item", "Entry", "Session"], &rows)
-    )
+    format!("<h3>Forms</h3>\n{}", table("What the participant entered.", &["Form", "Item", "Entry", "Session"], &rows))
 }
