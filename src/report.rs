@@ -3,6 +3,7 @@
 use crate::error::LabError;
 use crate::results::ObserverResult;
 use crate::session::SessionFolder;
+use analysis::answers::{BlockSummary, Summary};
 use analysis::figures::{self, GazeView, TrackPoint};
 use analysis::gaze::GazeSample;
 use analysis::mar::Estimate;
@@ -45,19 +46,46 @@ pub fn write_figures(results: &[ObserverResult<'_>], folder: &Path) -> Result<()
     std::fs::create_dir_all(folder).map_err(|error| LabError::io("make", folder, &error))?;
     for result in results {
         let session = session_report(result)?;
-        let figures = [
-            ("mar-line", figures::mar_line(&session.fit)),
-            ("psychometric-curves", figures::psychometric_curves(&session.fit)),
-            ("track", figures::adaptive_track(&session.track)),
-            ("gaze", figures::gaze_density(&session.gaze, &session.gaze_view)),
-            ("frame-timing", figures::frame_timing(&session.frames, session.measured_refresh_hz)),
-        ];
+        let mut figures: Vec<(String, String)> = Vec::new();
+        let mut add = |name: &str, svg: String| figures.push((name.to_owned(), svg));
+        if let Some(fit) = &session.fit {
+            add("mar-line", figures::mar_line(fit));
+            add("psychometric-curves", figures::psychometric_curves(fit));
+            add("track", figures::adaptive_track(&session.track));
+        }
+        for block in session.blocks.iter().filter(|block| !block.in_mar_fit) {
+            block_figures(block).into_iter().for_each(|(name, svg)| add(&name, svg));
+        }
+        add("gaze", figures::gaze_density(&session.gaze, &session.gaze_view));
+        add("frame-timing", figures::frame_timing(&session.frames, session.measured_refresh_hz));
         for (name, svg) in figures {
             let path = folder.join(format!("{}-{name}.svg", result.observer));
             std::fs::write(&path, svg).map_err(|error| LabError::io("write", &path, &error))?;
         }
     }
     Ok(())
+}
+
+/// The figures of one block with their names, each the block's and what it shows.
+fn block_figures(block: &BlockSummary) -> Vec<(String, String)> {
+    // Names of blocks and items are the study's; a file's name takes their letters, digits and dashes.
+    let safe = |text: &str| {
+        text.chars().map(|c| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '-' }).collect::<String>()
+    };
+    let named = |what: &str, svg: String| (format!("{}-{}", safe(&block.block), safe(what)), svg);
+    match &block.summary {
+        Summary::Detection(detection) => vec![named("shares", figures::detection(detection))],
+        Summary::Matches(matches) => {
+            let quantities = matches.parts.first().map(|all| all.quantities.as_slice()).unwrap_or_default();
+            let settings = quantities.iter().filter(|quantity| quantity.is_setting());
+            settings.map(|q| named(&q.quantity, figures::settings(matches, &q.quantity))).collect()
+        }
+        Summary::Ratings(ratings) => {
+            ratings.items.iter().map(|item| named(&item.item, figures::ratings(ratings, item))).collect()
+        }
+        Summary::Tasks(tasks) => vec![named("comparisons", figures::tasks(tasks))],
+        Summary::Nothing { .. } => Vec::new(),
+    }
 }
 
 fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError> {
@@ -86,6 +114,9 @@ fn session_report(result: &ObserverResult<'_>) -> Result<SessionReport, LabError
             .as_ref()
             .and_then(|simulated| serde_json::from_value::<MarModel>(simulated["truth"].clone()).ok()),
         fit: result.fit.clone(),
+        blocks: result.blocks.clone(),
+        forms: result.forms.clone(),
+        pilot: result.pilot,
         track: result.sessions.iter().flat_map(|session| track(session)).collect(),
         gaze,
         gaze_view: GazeView {

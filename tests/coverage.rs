@@ -75,7 +75,7 @@ fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
 fn fitted(plan: &Arc<Plan>, text: &str, seed: u64) -> Fitted {
     let sessions = [session_in_memory(plan, text, seed)];
     let results = fit_sessions(&sessions).unwrap();
-    let fit = &results[0].fit;
+    let fit = results[0].fit.as_ref().unwrap();
     Fitted { seed, trials: fit.trials, m: fit.m, omega0: fit.omega0 }
 }
 

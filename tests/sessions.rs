@@ -176,6 +176,8 @@ fn an_export_holds_every_row_and_describes_every_column() {
     let rows = |file: &str| sessions.iter().map(|session| lines(&session.join(file)) - 1).sum::<usize>();
     let expected = [
         ("trials.csv", 2 * 3 * 18),
+        ("phases.csv", 2 * 3 * 18 * 5),
+        ("forms.csv", 0),
         ("gaze.csv", rows("gaze.csv")),
         ("frames.csv", rows("frames.csv")),
         ("thresholds.csv", 3),

@@ -5,15 +5,21 @@
 //! returns. The acuity model itself lives in [`experiments::mar`], so that whoever asks, answers and fits agree on it.
 //!
 //! - [`mar`] fits `omega = m e + omega0` and a threshold for every eccentricity;
+//! - [`psychometric`] fits one function on one variable, and [`answers`] sums up the answers of every protocol, block by
+//!   block: shares, matches, ratings, tasks;
+//! - [`shares`] are proportions with their intervals;
 //! - [`gaze`] and [`timing`] summarise where the eyes were and how the frames ran;
 //! - [`summary`] is the JSON document of `parafovea analyze --json`;
 //! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
 
+pub mod answers;
 pub mod figures;
 pub mod gaze;
 pub mod mar;
 pub mod power;
+pub mod psychometric;
 pub mod report;
+pub mod shares;
 mod stats;
 pub mod summary;
 mod svg;

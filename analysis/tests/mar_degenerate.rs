@@ -27,7 +27,7 @@ fn assert_sound(fit: &MarFit) {
     for value in [fit.map.m, fit.map.omega0_deg, fit.map.width, fit.map.lapse] {
         assert!(value.is_finite(), "{:?}", fit.map);
     }
-    let json = serde_json::to_string(&ObserverSummary::new("P01", fit)).unwrap();
+    let json = serde_json::to_string(&ObserverSummary::new("P01", Some(fit), Vec::new())).unwrap();
     assert!(!json.contains("null"), "a number is missing: {json}");
     assert!(!figures::mar_line(fit).contains("NaN"));
     assert!(!figures::psychometric_curves(fit).contains("NaN"));

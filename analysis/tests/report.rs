@@ -84,7 +84,10 @@ fn example(observer: &str, seed: u64, display_name: &str, eccentricities: &[f64]
         facts: vec![("Scene of practice".to_owned(), "photograph".to_owned())],
         truth: Some(TRUTH),
         track: track.collect(),
-        fit,
+        fit: Some(fit),
+        blocks: Vec::new(),
+        forms: Vec::new(),
+        pilot: false,
         gaze,
         gaze_view: GazeView { half_field_deg: display.half_field_deg(), fixation_deg: [0.0, 0.0], gate_deg: Some(2.0) },
         aborted_trials: 7,
@@ -126,9 +129,9 @@ fn an_example_page_is_complete_and_self_contained() {
         let opened = html.matches(&format!("<{tag}>")).count() + html.matches(&format!("<{tag} ")).count();
         assert_eq!(opened, html.matches(&format!("</{tag}>")).count(), "{tag} is not balanced");
     }
-    let fit: &MarFit = &input.sessions[0].fit;
+    let fit: &MarFit = input.sessions[0].fit.as_ref().unwrap();
     let analysis = embedded(&html);
-    assert_eq!(analysis.observers[0].mar.m, fit.m);
+    assert_eq!(analysis.observers[0].mar.unwrap().m, fit.m);
     assert_eq!(analysis.observers[0].thresholds.len(), 4);
 }
 
@@ -163,7 +166,7 @@ fn hostile_text_stays_text() {
 fn an_unsupported_fit_says_so_first_and_empty_records_draw() {
     let mut session = example("P01", 3, "demo-540p", &[5.0, 10.0]);
     let trials = constant_stimuli(&TRUTH, &[10.0], 9, 1);
-    session.fit = fit_mar(&trials, &MarFitConfig::default()).unwrap();
+    session.fit = Some(fit_mar(&trials, &MarFitConfig::default()).unwrap());
     session.track.clear();
     session.gaze.iter_mut().for_each(|s| s.valid = false);
     session.frames.clear();

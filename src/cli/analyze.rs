@@ -1,11 +1,11 @@
-//! `parafovea analyze`: omega0 and m with their intervals, from sessions.
+//! `parafovea analyze`: omega0 and m with their intervals, and what every block's answers come to, from sessions.
 
-use super::{print, print_json, say};
+use super::{blocks, print, print_json, say};
 use crate::error::LabError;
-use crate::results::{ObserverResult, fit_sessions};
+use crate::results::{ObserverResult, document, fit_sessions, silence};
 use crate::session::SessionFolder;
+use analysis::MarFit;
 use analysis::mar::Support;
-use analysis::summary::{Analysis, ObserverSummary};
 use clap::Args;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -39,18 +39,41 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
         crate::report::write_figures(&results, folder)?;
         say(&format!("figures: {}", folder.display()));
     }
+    let document = document(&results);
     if args.json {
-        let observers = results.iter().map(|result| ObserverSummary::new(&result.observer, &result.fit)).collect();
-        return print_json(&Analysis { observers });
+        return print_json(&document);
     }
-    print(&results.iter().map(table).collect::<Vec<_>>().join("\n"))
+    let mut texts: Vec<String> = results.iter().map(table).collect();
+    if !document.group.is_empty() {
+        texts.push(blocks::group(&document.group));
+    }
+    print(&texts.join("\n"))
 }
 
 /// One observer's results as a table for a terminal.
 pub(super) fn table(result: &ObserverResult<'_>) -> String {
-    let fit = &result.fit;
+    let mut text = String::new();
+    if result.pilot {
+        text.push_str("PILOT DATA: shortened runs, no results\n");
+    }
+    if !result.says_anything() {
+        return text + &silence(result) + "\n";
+    }
+    let trials = result.summary().trials;
     // Writing to a string cannot fail.
-    let mut text = format!("{}: {} trials in {} session(s)\n\n", result.observer, fit.trials, result.sessions.len());
+    let _ = writeln!(text, "{}: {trials} trials in {} session(s)", result.observer, result.sessions.len());
+    if let Some(fit) = &result.fit {
+        mar_table(&mut text, fit);
+    }
+    for block in result.blocks.iter().filter(|block| !block.in_mar_fit) {
+        text.push_str(&blocks::table(block));
+    }
+    text.push_str(&blocks::forms(&result.forms));
+    text
+}
+
+fn mar_table(text: &mut String, fit: &MarFit) {
+    text.push('\n');
     let _ = writeln!(text, "  quantity   estimate   95 % interval         unit");
     for (name, estimate, unit) in [
         ("m", fit.m, "°/cycle per °"),
@@ -85,5 +108,4 @@ pub(super) fn table(result: &ObserverResult<'_>) -> String {
     for warning in &fit.warnings {
         let _ = writeln!(text, "  note: {warning}");
     }
-    text
 }

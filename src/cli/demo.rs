@@ -83,7 +83,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
         pictures = Some(dir);
     }
 
-    let fit = &results[0].fit;
+    let fit = results[0].fit.as_ref().ok_or_else(|| LabError::Failed("the demo's trials gave no fit".to_owned()))?;
     let mut text = analyze::table(&results[0]);
     let _ = writeln!(text, "\n  quantity   true       fitted     95 % interval");
     let compared = [

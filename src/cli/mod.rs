@@ -4,6 +4,7 @@
 //! Exit codes: 0 done, 1 failed, 2 bad usage or bad input.
 
 mod analyze;
+mod blocks;
 mod check;
 mod demo;
 mod devices;

@@ -1,14 +1,17 @@
-//! Tidy CSV: trials, gaze, frames, thresholds and fits of any number of sessions, with `columns.json` to describe them.
+//! Tidy CSV: trials, phases, forms, gaze, frames, thresholds and fits of any number of sessions, with `columns.json` to
+//! describe them.
 //!
 //! Everything is written to a new folder beside the target first and moved there at the end, so that an export is whole
 //! or not there.
 
-use super::columns::{self, Column};
+use super::columns::{self, Column, TrialNames};
 use crate::error::LabError;
 use crate::results::ObserverResult;
 use crate::session::{SessionFolder, names};
 use csv::Writer;
-use experiments::trial::{Alternative, Outcome};
+use experiments::trial::form::Entry;
+use experiments::trial::{Alternative, Answer, Outcome};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -51,21 +54,28 @@ fn write_tables(
     folder: &Path,
 ) -> Result<Vec<(&'static str, usize)>, LabError> {
     let mut rows = Vec::new();
+    let trial_names = TrialNames::of(sessions);
     let mut table =
         |name: &'static str, columns: &[Column], fill: &mut dyn FnMut(&mut Table) -> Result<(), LabError>| {
-            let mut table = Table::create(folder.join(name), columns)?;
+            let mut names: Vec<String> = columns.iter().map(|column| column.name.to_owned()).collect();
+            if name == "trials.csv" {
+                names.extend(trial_names.columns().into_iter().map(|column| column.name));
+            }
+            let mut table = Table::create(folder.join(name), &names)?;
             fill(&mut table)?;
             rows.push((name, table.finish()?));
             Ok::<(), LabError>(())
         };
-    table("trials.csv", columns::TRIALS, &mut |table| trials(sessions, table))?;
+    table("trials.csv", columns::TRIALS, &mut |table| trials(sessions, &trial_names, table))?;
+    table("phases.csv", columns::PHASES, &mut |table| phases(sessions, table))?;
+    table("forms.csv", columns::FORMS, &mut |table| forms(sessions, table))?;
     table("gaze.csv", columns::GAZE, &mut |table| copy(sessions, names::GAZE, table))?;
     table("frames.csv", columns::FRAMES, &mut |table| copy(sessions, names::FRAMES, table))?;
     table("thresholds.csv", columns::THRESHOLDS, &mut |table| thresholds(results, table))?;
     table("fits.csv", columns::FITS, &mut |table| fits(results, table))?;
     let path = folder.join("columns.json");
-    let dictionary =
-        serde_json::to_string_pretty(&columns::dictionary()).map_err(|error| LabError::Failed(error.to_string()))?;
+    let dictionary = serde_json::to_string_pretty(&columns::dictionary(&trial_names))
+        .map_err(|error| LabError::Failed(error.to_string()))?;
     fs::write(&path, dictionary + "\n").map_err(|error| LabError::io("write", &path, &error))?;
     Ok(rows)
 }
@@ -79,10 +89,10 @@ struct Table {
 }
 
 impl Table {
-    fn create(path: PathBuf, columns: &[Column]) -> Result<Self, LabError> {
+    fn create(path: PathBuf, columns: &[String]) -> Result<Self, LabError> {
         let file = fs::File::create_new(&path).map_err(|error| LabError::io("write", &path, &error))?;
         let mut table = Self { path, writer: Writer::from_writer(file), columns: columns.len(), rows: 0 };
-        table.write(columns.iter().map(|column| column.name))?;
+        table.write(columns)?;
         Ok(table)
     }
 
@@ -103,19 +113,33 @@ impl Table {
     }
 }
 
-fn trials(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError> {
+/// A unit variant of an enum as it is written to logs.
+fn kebab(value: impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
+}
+
+/// An answer by its name, an option by its number.
+fn answer_text(answer: Answer) -> String {
+    match answer {
+        Answer::Option(number) => number.to_string(),
+        Answer::Typed(character) => character.to_string(),
+        named => kebab(named),
+    }
+}
+
+fn trials(sessions: &[SessionFolder], names: &TrialNames, table: &mut Table) -> Result<(), LabError> {
     let bit = |value: bool| u8::from(value).to_string();
     let real = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
-    let kebab = |value: serde_json::Value| value.as_str().unwrap_or_default().to_owned();
     for session in sessions {
         for record in &session.record.trials {
             let trial = &record.trial;
-            let (outcome, reason, answer) = match record.outcome {
-                Outcome::Answered { answer, .. } => ("answered", String::new(), kebab(serde_json::json!(answer))),
-                Outcome::TimedOut => ("timed-out", String::new(), String::new()),
-                Outcome::Aborted { reason } => ("aborted", kebab(serde_json::json!(reason)), String::new()),
+            let nothing = BTreeMap::new();
+            let (outcome, reason, answer, found) = match &record.outcome {
+                Outcome::Answered { answer, found, .. } => ("answered", String::new(), answer_text(*answer), found),
+                Outcome::TimedOut => ("timed-out", String::new(), String::new(), &nothing),
+                Outcome::Aborted { reason } => ("aborted", kebab(reason), String::new(), &nothing),
             };
-            table.row([
+            let fixed = [
                 session.name(),
                 session.header.observer.clone(),
                 trial.trial.to_string(),
@@ -133,7 +157,55 @@ fn trials(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError>
                 real(record.response_time_s),
                 record.began_s.to_string(),
                 record.ended_s.to_string(),
-            ])?;
+                trial.repetition.map_or_else(String::new, |repetition| repetition.to_string()),
+            ];
+            let factors = names.factors.iter().map(|name| trial.factors.get(name).cloned().unwrap_or_default());
+            let levels = names.levels.iter().map(|name| real(trial.level.get(name).copied()));
+            let found = names.found.iter().map(|name| real(found.get(name).copied()));
+            table.row(fixed.into_iter().chain(factors).chain(levels).chain(found))?;
+        }
+    }
+    Ok(())
+}
+
+fn phases(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError> {
+    for session in sessions {
+        for record in &session.record.trials {
+            for (index, phase) in record.phases.iter().enumerate() {
+                let ended_s = record.phases.get(index + 1).map_or(record.ended_s, |next| next.began_s);
+                table.row([
+                    session.name(),
+                    session.header.observer.clone(),
+                    record.trial.trial.to_string(),
+                    phase.phase.as_str().to_owned(),
+                    phase.began_s.to_string(),
+                    ended_s.to_string(),
+                    phase.shown.map_or_else(String::new, kebab),
+                    if phase.at.is_empty() { String::new() } else { serde_json::json!(phase.at).to_string() },
+                ])?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn forms(sessions: &[SessionFolder], table: &mut Table) -> Result<(), LabError> {
+    for session in sessions {
+        for form in &session.record.forms {
+            for (item, entry) in &form.entries {
+                let entry = match entry {
+                    Entry::Number(number) => number.to_string(),
+                    Entry::Text(text) => text.clone(),
+                };
+                table.row([
+                    session.name(),
+                    session.header.observer.clone(),
+                    form.form.clone(),
+                    form.t_s.to_string(),
+                    item.clone(),
+                    entry,
+                ])?;
+            }
         }
     }
     Ok(())
@@ -159,7 +231,7 @@ fn copy(sessions: &[SessionFolder], name: &str, table: &mut Table) -> Result<(),
 
 fn thresholds(results: &[ObserverResult<'_>], table: &mut Table) -> Result<(), LabError> {
     for result in results {
-        for threshold in &result.fit.thresholds {
+        for threshold in result.fit.iter().flat_map(|fit| &fit.thresholds) {
             table.row([
                 result.observer.clone(),
                 threshold.eccentricity_deg.to_string(),
@@ -176,7 +248,7 @@ fn thresholds(results: &[ObserverResult<'_>], table: &mut Table) -> Result<(), L
 
 fn fits(results: &[ObserverResult<'_>], table: &mut Table) -> Result<(), LabError> {
     for result in results {
-        let fit = &result.fit;
+        let Some(fit) = &result.fit else { continue };
         let supported = matches!(fit.support, analysis::mar::Support::Supported);
         for (quantity, estimate) in [("m", fit.m), ("omega0", fit.omega0), ("width", fit.width), ("lapse", fit.lapse)] {
             table.row([

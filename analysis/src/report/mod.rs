@@ -4,12 +4,14 @@
 //! numbers as JSON (`<script type="application/json" id="parafovea-analysis">`), and reads on light and dark screens and
 //! on paper. Text that came from outside is escaped everywhere.
 
+mod blocks;
 mod sections;
 
+use crate::answers::BlockSummary;
 use crate::figures::{GazeView, TrackPoint};
 use crate::gaze::GazeSample;
 use crate::mar::MarFit;
-use crate::summary::{Analysis, ObserverSummary};
+use crate::summary::{Analysis, FormSummary, ObserverSummary};
 use crate::svg::escape;
 use crate::timing::Frame;
 use experiments::Display;
@@ -57,8 +59,14 @@ pub struct SessionReport {
     pub facts: Vec<(String, String)>,
     /// The parameters of a simulated observer, shown beside what was fitted; `None` for a person.
     pub truth: Option<MarModel>,
-    /// The fit.
-    pub fit: MarFit,
+    /// The MAR fit, for sessions whose trials allow one.
+    pub fit: Option<MarFit>,
+    /// What the answers of each block come to.
+    pub blocks: Vec<BlockSummary>,
+    /// Forms that were filled in.
+    pub forms: Vec<FormSummary>,
+    /// The data are from pilot runs: the page says so first.
+    pub pilot: bool,
     /// How the levels were chosen, trial by trial; may be empty.
     pub track: Vec<TrackPoint>,
     /// Gaze during stimulus phases; may be empty.
@@ -75,11 +83,25 @@ pub struct SessionReport {
     pub virtual_time: bool,
 }
 
+impl SessionReport {
+    fn summary(&self) -> ObserverSummary {
+        ObserverSummary {
+            pilot: self.pilot,
+            forms: self.forms.clone(),
+            ..ObserverSummary::new(self.observer.clone(), self.fit.as_ref(), self.blocks.clone())
+        }
+    }
+
+    /// Trials in the MAR fit, or all answered ones without it.
+    fn trials(&self) -> usize {
+        self.fit.as_ref().map_or_else(|| self.blocks.iter().map(|block| block.trials).sum(), |fit| fit.trials)
+    }
+}
+
 /// The JSON document that `html` embeds, for these sessions.
 #[must_use]
 pub fn analysis(input: &ReportInput) -> Analysis {
-    let observers = input.sessions.iter().map(|s| ObserverSummary::new(s.observer.clone(), &s.fit)).collect();
-    Analysis { observers }
+    Analysis::new(input.sessions.iter().map(SessionReport::summary).collect())
 }
 
 /// The whole page, as one HTML document in UTF-8 without any external resource.
@@ -87,8 +109,11 @@ pub fn analysis(input: &ReportInput) -> Analysis {
 pub fn html(input: &ReportInput) -> String {
     let mut body = String::new();
     body.push_str(&sections::header(input));
+    body.push_str(&sections::pilot(input));
     body.push_str(&sections::overview(input));
+    body.push_str(&blocks::group(input));
     body.push_str(&sections::methods(input));
+    body.push_str(&blocks::methods(input));
     for session in &input.sessions {
         body.push_str(&sections::session(session, input.sessions.len() == 1));
     }

@@ -9,7 +9,7 @@ use experiments::Display;
 
 pub(super) fn header(input: &ReportInput) -> String {
     let observers: Vec<String> = input.sessions.iter().map(|s| s.observer.clone()).collect();
-    let trials: usize = input.sessions.iter().map(|s| s.fit.trials).sum();
+    let trials: usize = input.sessions.iter().map(SessionReport::trials).sum();
     let mut line = match observers.len() {
         0 => "No sessions".to_owned(),
         1 => format!("Observer {}, {trials} trials", observers[0]),
@@ -21,22 +21,38 @@ pub(super) fn header(input: &ReportInput) -> String {
     format!("<header>\n<h1>{}</h1>\n<p class=\"byline\">{}</p>\n</header>\n", escape(&input.title), escape(&line))
 }
 
+/// Says that data are from a pilot, before anything else.
+pub(super) fn pilot(input: &ReportInput) -> String {
+    let pilots: Vec<String> = input.sessions.iter().filter(|s| s.pilot).map(|s| s.observer.clone()).collect();
+    if pilots.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<aside class=\"unsupported\" role=\"note\">\n<p><strong>PILOT DATA.</strong> The sessions of {} were pilot runs, which \
+         are shortened: these numbers are no results.</p>\n</aside>\n",
+        escape(&listed(&pilots))
+    )
+}
+
 /// One sentence per result, and a table where there are several observers.
 pub(super) fn overview(input: &ReportInput) -> String {
-    match input.sessions.as_slice() {
-        [] => "<p>There is nothing to report: no session was given.</p>\n".to_owned(),
-        [one] => format!("{}<p class=\"lead\">{}</p>\n", notice(&one.fit), result_sentence(&one.fit)),
-        many => {
+    let fitted: Vec<(&SessionReport, &MarFit)> =
+        input.sessions.iter().filter_map(|session| Some((session, session.fit.as_ref()?))).collect();
+    match (input.sessions.as_slice(), fitted.as_slice()) {
+        ([], _) => "<p>There is nothing to report: no session was given.</p>\n".to_owned(),
+        (_, []) => String::new(),
+        ([_], [(_, fit)]) => format!("{}<p class=\"lead\">{}</p>\n", notice(fit), result_sentence(fit)),
+        (_, many) => {
             let rows: Vec<Vec<String>> = many
                 .iter()
-                .map(|s| {
+                .map(|(s, fit)| {
                     let cell = |e: &Estimate| format!("{} [{}]", significant(e.estimate, 3), interval(e.ci95));
                     vec![
                         s.observer.clone(),
-                        cell(&s.fit.m),
-                        format!("{}{}", cell(&s.fit.omega0), if s.fit.display_limited { " †" } else { "" }),
-                        s.fit.trials.to_string(),
-                        if s.fit.support.is_supported() { "yes" } else { "no" }.to_owned(),
+                        cell(&fit.m),
+                        format!("{}{}", cell(&fit.omega0), if fit.display_limited { " †" } else { "" }),
+                        fit.trials.to_string(),
+                        if fit.support.is_supported() { "yes" } else { "no" }.to_owned(),
                     ]
                 })
                 .collect();
@@ -45,7 +61,7 @@ pub(super) fn overview(input: &ReportInput) -> String {
                 &["Observer", "m", "ω₀", "Trials", "Supported by the data"],
                 &rows,
             );
-            if many.iter().any(|s| s.fit.display_limited) {
+            if many.iter().any(|(_, fit)| fit.display_limited) {
                 html.push_str("<p class=\"note\">† extrapolated: finer than the display could show.</p>\n");
             }
             html
@@ -84,10 +100,9 @@ fn notice(fit: &MarFit) -> String {
 }
 
 pub(super) fn methods(input: &ReportInput) -> String {
-    let Some(first) = input.sessions.first() else {
+    let Some((first, fit)) = input.sessions.iter().find_map(|session| Some((session, session.fit.as_ref()?))) else {
         return String::new();
     };
-    let fit = &first.fit;
     let priors = &fit.config.priors;
     let names: Vec<String> =
         fit.thresholds.iter().map(|t| format!("{}°", significant(t.eccentricity_deg, 3))).collect();
@@ -146,9 +161,31 @@ fn display_sentence(display: &Display) -> String {
 
 /// One observer; `alone` leaves out what the head of the page has already said.
 pub(super) fn session(session: &SessionReport, alone: bool) -> String {
-    let fit = &session.fit;
     let mut html = format!("<section class=\"observer\">\n<h2>Observer {}</h2>\n", escape(&session.observer));
     html.push_str(&facts(&run_facts(session)));
+    if let Some(fit) = &session.fit {
+        html.push_str(&acuity(session, fit, alone));
+    }
+    for block in session.blocks.iter().filter(|block| !block.in_mar_fit) {
+        html.push_str(&super::blocks::block(block));
+    }
+    html.push_str(&super::blocks::forms(&session.forms));
+    if !session.track.is_empty() {
+        html.push_str("<h3>Course of the session</h3>\n");
+        html.push_str(&figure(
+            &figures::adaptive_track(&session.track),
+            "Level of each trial, and the procedure’s running estimates with 95 % intervals. The fit above uses all trials \
+             afresh and does not depend on these estimates.",
+        ));
+    }
+    html.push_str(&gaze_section(session));
+    html.push_str(&timing_section(session));
+    html.push_str("</section>\n");
+    html
+}
+
+fn acuity(session: &SessionReport, fit: &MarFit, alone: bool) -> String {
+    let mut html = String::new();
     if !alone {
         html.push_str(&notice(fit));
     }
@@ -156,7 +193,7 @@ pub(super) fn session(session: &SessionReport, alone: bool) -> String {
     if !alone {
         html.push_str(&format!("<p>{}</p>\n", result_sentence(fit)));
     }
-    html.push_str(&parameters(session));
+    html.push_str(&parameters(session, fit));
     html.push_str(&figure(
         &figures::mar_line(fit),
         "MAR by eccentricity. Points: threshold of each eccentricity, fitted without the line, with 95 % intervals. Line and \
@@ -178,17 +215,6 @@ pub(super) fn session(session: &SessionReport, alone: bool) -> String {
         fit.ess,
         fit.evaluations
     ));
-    if !session.track.is_empty() {
-        html.push_str("<h3>Course of the session</h3>\n");
-        html.push_str(&figure(
-            &figures::adaptive_track(&session.track),
-            "Level of each trial, and the procedure’s running estimates with 95 % intervals. The fit above uses all trials \
-             afresh and does not depend on these estimates.",
-        ));
-    }
-    html.push_str(&gaze_section(session));
-    html.push_str(&timing_section(session));
-    html.push_str("</section>\n");
     html
 }
 
@@ -209,8 +235,7 @@ fn run_facts(session: &SessionReport) -> Vec<(String, String)> {
     rows
 }
 
-fn parameters(session: &SessionReport) -> String {
-    let fit = &session.fit;
+fn parameters(session: &SessionReport, fit: &MarFit) -> String {
     let truth = session.truth.as_ref();
     let rows: Vec<Vec<String>> = [
         ("Slope m (degrees per cycle per degree)", &fit.m, truth.map(|t| t.m)),
