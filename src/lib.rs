@@ -8,6 +8,7 @@ pub mod cli;
 pub mod error;
 pub mod export;
 pub mod gaze;
+pub mod power;
 pub mod replay;
 pub mod report;
 pub mod results;

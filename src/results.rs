@@ -54,9 +54,9 @@ pub fn document(results: &[ObserverResult<'_>]) -> Analysis {
     Analysis::new(results.iter().map(ObserverResult::summary).collect())
 }
 
-/// Whether a session was a pilot run. Headers do not say so yet: this is the one place that will read it.
-fn is_pilot(_session: &SessionFolder) -> bool {
-    false
+/// Whether a session was a pilot run.
+fn is_pilot(session: &SessionFolder) -> bool {
+    session.header.assignment.pilot
 }
 
 /// How each block of a session's study asks, read from the study's text as it stands, so that it is known for protocols
@@ -71,8 +71,9 @@ fn protocols(session: &SessionFolder) -> BTreeMap<String, Protocol> {
     blocks.iter().filter_map(of_block).collect()
 }
 
-/// An answered trial as analysis takes it.
-fn row(record: &TrialRecord) -> Option<Row> {
+/// An answered trial as analysis takes it; nothing for one without an answer.
+#[must_use]
+pub fn row(record: &TrialRecord) -> Option<Row> {
     let Outcome::Answered { answer, correct, found } = &record.outcome else { return None };
     Some(Row {
         condition: record.trial.condition.clone(),
@@ -123,7 +124,9 @@ fn blocks(sessions: &[&SessionFolder]) -> Vec<((String, String), BlockAnswers)> 
     blocks
 }
 
-fn mar_trial(record: &TrialRecord) -> Option<MarTrial> {
+/// An answered trial on a ring, as the MAR fit takes it.
+#[must_use]
+pub fn mar_trial(record: &TrialRecord) -> Option<MarTrial> {
     Some(MarTrial {
         eccentricity_deg: record.trial.eccentricity_deg?,
         mar_deg: record.trial.mar_deg?,

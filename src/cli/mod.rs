@@ -11,6 +11,7 @@ mod devices;
 mod export;
 mod inputs;
 mod new;
+mod power;
 mod predict;
 mod progress;
 mod render;
@@ -38,6 +39,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Run a study with an observer, in a window or offscreen.
     Run(run::RunArgs),
+    /// Simulate a study before recruiting: bias, error, interval width and coverage.
+    Power(power::PowerArgs),
     /// Show a session's frames again, from its log alone.
     Replay(replay::ReplayArgs),
     /// Fit omega0 and m from sessions.
@@ -67,6 +70,7 @@ pub fn main() -> ExitCode {
         Command::New(args) => new::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Power(args) => power::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Export(args) => export::run(&args),

@@ -9,9 +9,9 @@ mod figure;
 pub use figure::power_figure;
 
 use crate::mar::Estimate;
+use crate::shares::{Mean, Share};
 use crate::stats::{quantile_of_sorted, sorted_finite};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::collections::BTreeMap;
 
 /// What one simulated observer gave for one quantity after a share of their trials.
@@ -162,16 +162,12 @@ fn by_observers(own: &[&Simulated], quantity: &Quantity) -> Vec<Point> {
             let mut failed = 0;
             let mut estimates = Vec::new();
             for group in repeats.values() {
-                let values: Vec<f64> = group
-                    .iter()
-                    .filter(|one| one.observer < n)
-                    .filter_map(|one| one.estimate.map(forward))
-                    .filter(|x| x.is_finite())
-                    .collect();
-                match mean_interval(&values) {
-                    Some((mean, half_width)) => estimates.push(Judged {
-                        estimate: back(mean),
-                        ci95: half_width.map(|half| [back(mean - half), back(mean + half)]),
+                let values: Vec<f64> =
+                    group.iter().filter(|one| one.observer < n).filter_map(|one| one.estimate.map(forward)).collect();
+                match Mean::new(values) {
+                    Some(mean) => estimates.push(Judged {
+                        estimate: back(mean.mean),
+                        ci95: mean.ci95.map(|interval| interval.map(back)),
                         truth: quantity.truth,
                     }),
                     None => failed += 1,
@@ -190,21 +186,6 @@ fn sizes(most: u32) -> Vec<u32> {
         sizes.push(most);
     }
     sizes
-}
-
-/// The mean of some values and half the width of Student's t interval; no width for a single value.
-fn mean_interval(values: &[f64]) -> Option<(f64, Option<f64>)> {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    if values.is_empty() {
-        return None;
-    }
-    if values.len() < 2 {
-        return Some((mean, None));
-    }
-    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let t = StudentsT::new(0.0, 1.0, n - 1.0).ok()?.inverse_cdf(0.975);
-    Some((mean, Some(t * (variance / n).sqrt())))
 }
 
 /// An estimate to be held against its truth.
@@ -237,7 +218,7 @@ fn point(observers: u32, trials: usize, failed: usize, estimates: &[Judged]) -> 
             one.truth.map(|truth| (low..=high).contains(&truth))
         })
         .collect();
-    let count = held.iter().filter(|&&held| held).count();
+    let coverage = Share::of(&held, |&held| held);
     let widths = sorted_finite(estimates.iter().filter_map(|one| one.ci95.map(|[low, high]| high - low)));
     Point {
         observers,
@@ -249,20 +230,10 @@ fn point(observers: u32, trials: usize, failed: usize, estimates: &[Judged]) -> 
         bias: judged.then(|| mean_of(&errors)),
         bias_se: (errors.len() > 1).then(|| spread(&errors) / (errors.len() as f64).sqrt()),
         rmse: judged.then(|| mean_of(&errors.iter().map(|e| e * e).collect::<Vec<_>>()).sqrt()),
-        coverage: (!held.is_empty()).then(|| count as f64 / held.len() as f64),
-        coverage_ci95: (!held.is_empty()).then(|| wilson95(count, held.len())),
+        coverage: coverage.map(|share| share.share),
+        coverage_ci95: coverage.map(|share| share.wilson95),
         ci_width: quantile_of_sorted(&widths, 0.5),
     }
-}
-
-/// Wilson's 95 % score interval of a share (Wilson 1927).
-fn wilson95(k: usize, n: usize) -> [f64; 2] {
-    const Z: f64 = 1.959_963_984_540_054;
-    let (k, n) = (k as f64, n as f64);
-    let (p, z2) = (k / n, Z * Z);
-    let middle = (p + z2 / (2.0 * n)) / (1.0 + z2 / n);
-    let half = Z / (1.0 + z2 / n) * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
-    [(middle - half).max(0.0), (middle + half).min(1.0)]
 }
 
 impl Simulated {
@@ -349,14 +320,5 @@ mod tests {
         }
         let ratio = points[2].sd / points[4].sd;
         assert!((ratio - (10.0_f64 / 3.0).sqrt()).abs() < 0.15, "{ratio}");
-    }
-
-    /// 8 of 10 and 0 of 10, as in Brown, Cai & DasGupta 2001 and every table of Wilson intervals.
-    #[test]
-    fn wilson_intervals_are_the_published_ones() {
-        for (k, n, expected) in [(8, 10, [0.4902, 0.9433]), (0, 10, [0.0, 0.2775]), (10, 10, [0.7225, 1.0])] {
-            let found = wilson95(k, n);
-            assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-4), "{k} of {n}: {found:?}");
-        }
     }
 }

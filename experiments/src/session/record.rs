@@ -31,6 +31,12 @@ pub struct TrialRecord {
 }
 
 impl TrialRecord {
+    /// Whether the trial was answered and is no practice: what analysis counts.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        matches!(self.outcome, Outcome::Answered { .. }) && !self.trial.practice
+    }
+
     /// Whether the answer was right; nothing for a trial without one.
     #[must_use]
     pub fn correct(&self) -> Option<bool> {
