@@ -13,6 +13,7 @@
 //! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
 
 pub mod answers;
+pub mod comparison;
 pub mod figures;
 pub mod gaze;
 pub mod mar;

@@ -61,9 +61,14 @@ fn detection(text: &mut String, detection: &Detection) {
     let mut notes = Vec::new();
     for part in &detection.parts {
         let name = part_name(&part.by);
-        let [threshold, ends] = part.fit.as_ref().map_or([None, None], |fit| {
-            let mark = if fit.support.is_supported() { "" } else { " *" };
-            [Some(number(fit.threshold.estimate) + mark), Some(interval(fit.threshold.ci95))]
+        // A pair test's third answer has a fit of its own, which allows for it.
+        let function = match &part.comparison {
+            Some(fit) => Some((fit.threshold, &fit.support)),
+            None => part.fit.as_ref().map(|fit| (fit.threshold, &fit.support)),
+        };
+        let [threshold, ends] = function.map_or([None, None], |(threshold, support)| {
+            let mark = if support.is_supported() { "" } else { " *" };
+            [Some(number(threshold.estimate) + mark), Some(interval(threshold.ci95))]
         });
         let dash = || "–".to_owned();
         let mut cells = vec![name.clone(), part.right.n.to_string()];
@@ -74,7 +79,7 @@ fn detection(text: &mut String, detection: &Detection) {
         if let Some(reason) = &part.no_fit {
             notes.push(format!("no function for {name}: {reason}"));
         }
-        let reasons = part.fit.iter().flat_map(|fit| fit.support.reasons());
+        let reasons = function.into_iter().flat_map(|(_, support)| support.reasons());
         notes.extend(reasons.map(|reason| format!("* THE DATA DO NOT SUPPORT the function for {name}: {reason}")));
     }
     text.push_str(&aligned(table));

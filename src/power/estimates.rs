@@ -117,9 +117,13 @@ impl<'a> Estimator<'a> {
                 {
                     let truth = before.and_then(|before| before.threshold(protocol, parameter));
                     let simulated = blank(&named(&format!("threshold of {parameter}")), rows.len(), truth);
-                    let supported = part.fit.as_ref().filter(|fit| fit.support.is_supported());
+                    // A pair test has a third answer, and a fit that uses it.
+                    let supported = match &part.comparison {
+                        Some(fit) => fit.support.is_supported().then_some(fit.threshold),
+                        None => part.fit.as_ref().and_then(|fit| fit.support.is_supported().then_some(fit.threshold)),
+                    };
                     estimates.push(match supported {
-                        Some(fit) => simulated.with_fit(fit.threshold),
+                        Some(threshold) => simulated.with_fit(threshold),
                         None => simulated,
                     });
                     if matches!(protocol, Protocol::Pair | Protocol::Ramp) {

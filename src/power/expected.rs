@@ -51,6 +51,10 @@ impl<'a> Before<'a> {
     /// The value of a parameter at which the probability of a right answer is half way between what it is where nothing
     /// can be seen and where everything can: what a psychometric function calls its threshold.
     pub(super) fn threshold(&self, protocol: Protocol, parameter: &str) -> Option<f64> {
+        if protocol == Protocol::Pair {
+            // Its fit allows for the zone of indifference, and so finds F itself.
+            return self.half_visible(parameter);
+        }
         let right = |visibility| self.probability_right(protocol, visibility);
         let halfway = 0.5 * (right(0.0) + right(1.0));
         self.crossing(parameter, |level| Some(right(self.visibility(level)?) - halfway))

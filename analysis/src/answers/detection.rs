@@ -3,6 +3,7 @@
 
 use super::strata::{Parts, strata};
 use super::{Protocol, Row};
+use crate::comparison::{Compared, ComparisonFit, fit_comparison};
 use crate::psychometric::{Count, Direction, Guess, PsychometricConfig, PsychometricFit, Scale, fit_psychometric};
 use crate::shares::Share;
 use experiments::trial::Answer;
@@ -40,6 +41,10 @@ pub struct DetectionPart {
     /// Why there is no function, if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub no_fit: Option<String>,
+    /// The threshold from all three answers of a pair test, which allows for the observer's zone of indifference; the
+    /// function above only describes how often the reference was called better.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<ComparisonFit>,
     /// Guenter's threshold (2012, §5), for pair and ramp: the coarsest level that was once reported equal to or better
     /// than the reference, or whose ramp was mislabelled or called the same; nothing if none was. It has no interval:
     /// a single slip of the finger moves it.
@@ -99,7 +104,7 @@ fn part(
         *answers.entry(answer_name(row.answer)).or_insert(0) += 1;
     }
     let cells = cells(parameters, rows);
-    let (mut fit, mut no_fit, mut coarsest_unnoticed) = (None, None, None);
+    let (mut fit, mut no_fit, mut comparison, mut coarsest_unnoticed) = (None, None, None, None);
     match parameters {
         [parameter] => {
             let counts: Vec<Count> = cells
@@ -113,6 +118,9 @@ fn part(
             if matches!(protocol, Some(Protocol::Pair | Protocol::Ramp)) {
                 coarsest_unnoticed = unnoticed(&counts, direction);
             }
+            if protocol == Some(Protocol::Pair) && rows.len() >= FEWEST_ANSWERS {
+                comparison = compared(parameter, direction, rows);
+            }
             match function(protocol, direction, &counts) {
                 Ok(function) => fit = Some(function),
                 Err(reason) => no_fit = Some(reason),
@@ -121,7 +129,7 @@ fn part(
         [] => no_fit = Some("the level does not vary".to_owned()),
         several => no_fit = Some(format!("{} vary together, and a function is fitted to one", several.join(", "))),
     }
-    Some(DetectionPart { by, right, answers, cells, fit, no_fit, coarsest_unnoticed })
+    Some(DetectionPart { by, right, answers, cells, fit, no_fit, comparison, coarsest_unnoticed })
 }
 
 /// Right answers at each combination of the varying parameters.
@@ -148,6 +156,26 @@ fn cells(parameters: &[String], rows: &[&Row]) -> Vec<LevelCell> {
 /// A larger quality index is finer (Guenter 2012, §5); of any other parameter the answers must tell.
 fn direction(parameter: &str, counts: &[Count]) -> Direction {
     if parameter == "quality_index" { Direction::Falls } else { Direction::of_counts(counts) }
+}
+
+/// The three answers of a pair test by level, and what they say.
+fn compared(parameter: &str, direction: Direction, rows: &[&Row]) -> Option<ComparisonFit> {
+    let mut counts: Vec<Compared> = Vec::new();
+    for row in rows {
+        let level = *row.level.get(parameter)?;
+        let at = counts.iter().position(|count| count.level.total_cmp(&level).is_eq()).unwrap_or_else(|| {
+            counts.push(Compared { level, reference: 0, same: 0, test: 0 });
+            counts.len() - 1
+        });
+        match (row.answer, row.correct) {
+            (Answer::Same, _) => counts[at].same += 1,
+            (_, Some(true)) => counts[at].reference += 1,
+            _ => counts[at].test += 1,
+        }
+    }
+    counts.sort_by(|a, b| a.level.total_cmp(&b.level));
+    let levels: Vec<f64> = counts.iter().map(|count| count.level).collect();
+    fit_comparison(&counts, Scale::of_levels(&levels), direction)
 }
 
 /// The coarsest level with an answer that was not right.

@@ -59,14 +59,14 @@ impl Scale {
         if unevenness(&ratios) + 1e-9 < unevenness(&differences) { Self::Logarithmic } else { Self::Linear }
     }
 
-    fn coordinate(self, level: f64) -> f64 {
+    pub(crate) fn coordinate(self, level: f64) -> f64 {
         match self {
             Self::Linear => level,
             Self::Logarithmic => level.ln(),
         }
     }
 
-    fn level(self, coordinate: f64) -> f64 {
+    pub(crate) fn level(self, coordinate: f64) -> f64 {
         match self {
             Self::Linear => coordinate,
             Self::Logarithmic => coordinate.exp(),
@@ -97,7 +97,7 @@ impl Direction {
         if covariance < 0.0 { Self::Falls } else { Self::Rises }
     }
 
-    fn sign(self) -> f64 {
+    pub(crate) fn sign(self) -> f64 {
         match self {
             Self::Rises => 1.0,
             Self::Falls => -1.0,
