@@ -53,6 +53,13 @@ pub(super) fn run(args: &PowerArgs) -> Result<(), LabError> {
     let plan = inputs::plan(&inputs::study_file(&args.study)?, display.as_ref())?;
     let simulation =
         Simulation::parse(&args.simulate).map_err(|error| LabError::BadInput(format!("--simulate: {error}")))?;
+    if simulation.truth.is_none() {
+        return Err(LabError::BadInput(
+            "--simulate pixels: expected a truth, since nothing is drawn here, found an observer who looks at pictures; \
+             `run --offscreen --simulate pixels` draws them"
+                .to_owned(),
+        ));
+    }
     let sessions = u64::from(args.observers) * u64::from(args.repeats);
     if sessions > MOST_SESSIONS {
         return Err(LabError::BadInput(format!(

@@ -82,7 +82,7 @@ fn draw(
     let panel = Panel::new(
         corner,
         [width, PANEL_HEIGHT],
-        Axis::linear(labels[1], 0.0, 1.06 * most).with_ticks(6),
+        Axis::linear(labels[1], 0.0, 1.12 * most).with_ticks(6),
         Axis::linear(labels[0], 0.0, 1.25 * high).with_ticks(5),
     );
     panel.draw_grid(canvas);

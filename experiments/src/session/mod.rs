@@ -254,7 +254,7 @@ impl Session {
             (Place::Trial(_), Input::GazeLeft) => match self.phase.gaze {
                 GazeRule::Abort => {
                     let outcome = Outcome::Aborted { reason: AbortReason::GazeLeft };
-                    self.end_trial(outcome, t_s, events);
+                    self.end_trial(&outcome, t_s, events);
                 }
                 GazeRule::Hide => self.advance_trial(&input, t_s, events),
                 GazeRule::Free | GazeRule::Hold | GazeRule::AwaitReturn => return false,
@@ -463,11 +463,11 @@ impl Session {
                 }
                 self.present(phase, t_s, events);
             }
-            Step::End(outcome) => self.end_trial(outcome, t_s, events),
+            Step::End(outcome) => self.end_trial(&outcome, t_s, events),
         }
     }
 
-    fn end_trial(&mut self, outcome: Outcome, t_s: f64, events: &mut Vec<Event>) {
+    fn end_trial(&mut self, outcome: &Outcome, t_s: f64, events: &mut Vec<Event>) {
         let Place::Trial(running) = std::mem::replace(&mut self.place, Place::Save) else {
             return;
         };
@@ -478,6 +478,7 @@ impl Session {
         if let Some(schedule) = self.schedule.as_mut() {
             match outcome {
                 Outcome::Answered { correct, .. } => {
+                    let correct = *correct;
                     schedule.complete(&planned, correct);
                     self.completed_in_block += 1;
                     self.round.answered += u32::from(correct.is_some());
@@ -494,7 +495,7 @@ impl Session {
     }
 
     fn abort(&mut self, reason: AbortReason, text: &str, t_s: f64, events: &mut Vec<Event>) {
-        self.end_trial(Outcome::Aborted { reason }, t_s, events);
+        self.end_trial(&Outcome::Aborted { reason }, t_s, events);
         self.enter_paused(None, text, t_s, events);
     }
 
