@@ -158,7 +158,7 @@ pub fn ratings(ratings: &Ratings, item: &Item) -> String {
     let height = figure.draw(&mut canvas);
     for (row, (_, rating)) in rows.iter().enumerate() {
         let n = rating.mean.n.max(1) as f64;
-        let share = |step: i32| rating.counts.get(&step).copied().unwrap_or(0) as f64 / n;
+        let share = |step: i32| rating.count(step) as f64 / n;
         // What is neutral lies half on either side of zero.
         let below: f64 = steps.iter().filter(|step| **step < 0).map(|step| share(*step)).sum();
         let mut from = -(below + 0.5 * share(0));
