@@ -130,7 +130,7 @@ fn ratings(text: &mut String, ratings: &Ratings) {
             for rating in part.items.iter().filter(|rating| rating.item == item.item) {
                 let mut cells = vec![part_name(&part.by)];
                 cells.extend(mean(&rating.mean));
-                cells.extend(rating.counts.values().map(usize::to_string));
+                cells.extend(rating.counts.iter().map(|count| count.n.to_string()));
                 table.push(cells);
             }
         }

@@ -108,9 +108,12 @@ fn assignments(plan: &Plan, observers: u32) -> Vec<Assignment> {
     earlier.into_iter().map(|session| session.assignment).collect()
 }
 
+/// What of an assignment decides its plan: group, sitting, and the observer's number where something goes round with it.
+type PlanKey = (Option<String>, u32, u32);
+
 /// The plans of assignments, made once each.
 #[derive(Default)]
-struct Plans(Mutex<HashMap<(Option<String>, u32, u32), Arc<Plan>>>);
+struct Plans(Mutex<HashMap<PlanKey, Arc<Plan>>>);
 
 impl Plans {
     fn of(&self, whole: &Plan, assignment: &Assignment) -> Result<Arc<Plan>, LabError> {

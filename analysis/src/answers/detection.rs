@@ -183,7 +183,7 @@ fn unnoticed(counts: &[Count], direction: Direction) -> Option<f64> {
     let mut levels = counts.iter().filter(|count| count.k < count.n).map(|count| count.level);
     match direction {
         Direction::Falls => levels.next(),
-        Direction::Rises => levels.last(),
+        Direction::Rises => levels.next_back(),
     }
 }
 

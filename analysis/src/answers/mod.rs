@@ -13,7 +13,7 @@ mod tasks;
 
 pub use detection::{Detection, DetectionPart, LevelCell};
 pub use matches::{Matches, MatchesPart, Quantity};
-pub use ratings::{Item, ItemRating, Ratings, RatingsPart};
+pub use ratings::{Item, ItemRating, Ratings, RatingsPart, StepCount};
 pub use tasks::{Counting, Tasks, TasksPart};
 
 use crate::shares::Mean;

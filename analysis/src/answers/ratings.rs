@@ -41,18 +41,32 @@ pub struct RatingsPart {
 pub struct ItemRating {
     /// The item.
     pub item: String,
-    /// Step → how often it was chosen, for every step between the item's lowest and highest.
-    #[serde(with = "step_counts")]
-    pub counts: BTreeMap<i32, usize>,
+    /// How often each step between the item's lowest and highest was chosen, ascending.
+    pub counts: Vec<StepCount>,
     /// Mean, SD and 95 % t interval; steps are taken for equal distances.
     pub mean: Mean,
 }
 
+/// How often a step was chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StepCount {
+    /// The step.
+    pub step: i32,
+    /// How often.
+    pub n: usize,
+}
+
 impl ItemRating {
+    /// How often a step was chosen.
+    #[must_use]
+    pub fn count(&self, step: i32) -> usize {
+        self.counts.iter().filter(|count| count.step == step).map(|count| count.n).sum()
+    }
+
     /// The share of ratings above the middle of a scale that has 0 in its middle.
     #[must_use]
     pub fn share_agreeing(&self) -> f64 {
-        let above: usize = self.counts.iter().filter(|(step, _)| **step > 0).map(|(_, count)| count).sum();
+        let above: usize = self.counts.iter().filter(|count| count.step > 0).map(|count| count.n).sum();
         above as f64 / self.mean.n as f64
     }
 }
@@ -82,38 +96,15 @@ impl Ratings {
 }
 
 /// A rating as a step; nothing for what is no whole number of a scale.
-/// Counts as a list of `{"step": …, "count": …}`: numbers cannot be keys of a JSON object.
-mod step_counts {
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use std::collections::BTreeMap;
-
-    #[derive(Serialize, Deserialize)]
-    struct StepCount {
-        step: i32,
-        count: usize,
-    }
-
-    pub(super) fn serialize<S: Serializer>(counts: &BTreeMap<i32, usize>, serializer: S) -> Result<S::Ok, S::Error> {
-        let list: Vec<StepCount> = counts.iter().map(|(&step, &count)| StepCount { step, count }).collect();
-        list.serialize(serializer)
-    }
-
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<i32, usize>, D::Error> {
-        let list = Vec::<StepCount>::deserialize(deserializer)?;
-        Ok(list.into_iter().map(|one| (one.step, one.count)).collect())
-    }
-}
-
 fn step(value: f64) -> Option<i32> {
     ((value - value.round()).abs() < 1e-9 && value.abs() <= 100.0).then(|| value.round() as i32)
 }
 
 fn rating(item: &Item, rows: &[&Row]) -> Option<ItemRating> {
     let steps: Vec<i32> = rows.iter().filter_map(|row| step(*row.found.get(&item.item)?)).collect();
-    let mut counts: BTreeMap<i32, usize> = (item.steps[0]..=item.steps[1]).map(|step| (step, 0)).collect();
-    for step in &steps {
-        *counts.entry(*step).or_insert(0) += 1;
-    }
+    let counts = (item.steps[0]..=item.steps[1])
+        .map(|step| StepCount { step, n: steps.iter().filter(|rated| **rated == step).count() })
+        .collect();
     let mean = Mean::new(steps.into_iter().map(f64::from))?;
     Some(ItemRating { item: item.item.clone(), counts, mean })
 }
@@ -140,7 +131,8 @@ mod tests {
         assert_eq!(ratings.items[0], Item { item: "noise".to_owned(), steps: [-3, 3] });
         assert_eq!(ratings.parts.len(), 1 + 4 + 4);
         let all = &ratings.parts[0].items[0];
-        assert_eq!(all.counts, BTreeMap::from([(-3, 1), (-2, 0), (-1, 1), (0, 0), (1, 0), (2, 1), (3, 1)]));
+        let counts: Vec<(i32, usize)> = all.counts.iter().map(|count| (count.step, count.n)).collect();
+        assert_eq!(counts, [(-3, 1), (-2, 0), (-1, 1), (0, 0), (1, 0), (2, 1), (3, 1)]);
         assert_eq!((all.mean.mean, all.share_agreeing()), (0.25, 0.5));
         let full = ratings.parts.iter().find(|part| part.by.get("region").is_some_and(|r| r == "full")).unwrap();
         assert_eq!((full.items[0].mean.mean, full.items[1].mean.mean), (2.5, 3.0));

@@ -6,7 +6,10 @@ use crate::shares::{Mean, Share};
 use crate::svg::{Anchor, Axis, BLUE, Canvas, GREEN, Paint, TextStyle, VERMILION, legend, text_width};
 use std::collections::BTreeMap;
 
+/// Height of a row.
 const ROW: f64 = 26.0;
+/// Height of a row of several marks.
+const TALL_ROW: f64 = 40.0;
 const TEXT: f64 = 12.5;
 /// Rows drawn at most; the tables hold all.
 const MOST_ROWS: usize = 40;
@@ -20,6 +23,7 @@ const NEUTRAL: &str = "#c4c8cd";
 struct Rows {
     left: f64,
     top: f64,
+    row: f64,
     axis: Axis,
     labels: Vec<String>,
 }
@@ -27,7 +31,8 @@ struct Rows {
 impl Rows {
     fn new(labels: Vec<String>, top: f64, axis: Axis) -> Self {
         let widest = labels.iter().map(|label| text_width(label, TEXT)).fold(60.0, f64::max);
-        Self { left: (widest + 24.0).min(0.45 * WIDTH), top, axis, labels }
+        // The first label is bold, which is wider.
+        Self { left: (1.12 * widest + 26.0).min(0.45 * WIDTH), top, row: ROW, axis, labels }
     }
 
     fn width(&self) -> f64 {
@@ -39,11 +44,11 @@ impl Rows {
     }
 
     fn y(&self, row: usize) -> f64 {
-        self.top + (row as f64 + 0.5) * ROW
+        self.top + (row as f64 + 0.5) * self.row
     }
 
     fn bottom(&self) -> f64 {
-        self.top + self.labels.len() as f64 * ROW
+        self.top + self.labels.len() as f64 * self.row
     }
 
     /// Grid, axis and labels; the figure's height.
@@ -53,18 +58,17 @@ impl Rows {
             let x = self.x(value);
             canvas.line([x, self.top], [x, bottom], &Paint::grid());
             canvas.line([x, bottom], [x, bottom + 4.0], &Paint::ink(1.0));
-            canvas.text([x, bottom + 18.0], &text, TextStyle::new(12.0, Anchor::Middle).muted());
+            // Shares to the left are shares all the same; minus signs of other axes are true ones and stay.
+            canvas.text([x, bottom + 18.0], text.trim_start_matches('-'), TextStyle::new(12.0, Anchor::Middle).muted());
         }
         canvas.line([self.left, bottom], [self.left + self.width(), bottom], &Paint::ink(1.0));
         let middle = self.left + 0.5 * self.width();
         canvas.text([middle, bottom + 39.0], &self.axis.label, TextStyle::new(13.0, Anchor::Middle));
-        let most = ((self.left - 20.0) / (0.54 * TEXT)) as usize;
         for (row, label) in self.labels.iter().enumerate() {
-            let text: String = if label.chars().count() > most {
-                label.chars().take(most.saturating_sub(1)).chain(['…']).collect()
-            } else {
-                label.clone()
-            };
+            let mut text = label.clone();
+            while 1.12 * text_width(&text, TEXT) > self.left - 16.0 && text.chars().count() > 2 {
+                text = text.chars().take(text.chars().count() - 2).chain(['…']).collect();
+            }
             let style = TextStyle::new(TEXT, Anchor::End);
             canvas.text([self.left - 10.0, self.y(row) + 4.0], &text, if row == 0 { style.bold() } else { style });
         }
@@ -111,7 +115,7 @@ pub fn settings(matches: &Matches, quantity: &str) -> String {
         let mut seen: BTreeMap<u64, u32> = BTreeMap::new();
         for value in &q.values {
             let count = seen.entry(value.to_bits()).or_insert(0);
-            let side = if *count % 2 == 0 { 1.0 } else { -1.0 };
+            let side = if count.is_multiple_of(2) { 1.0 } else { -1.0 };
             let shift = (side * f64::from(count.div_ceil(2)) * 3.0).clamp(-9.0, 9.0);
             *count += 1;
             canvas.circle([figure.x(*value), figure.y(row) + shift], 3.2, &Paint::muted(1.2).opacity(0.75));
@@ -140,7 +144,7 @@ pub fn ratings(ratings: &Ratings, item: &Item) -> String {
         .map(|&step| {
             let color = color(step, item.steps);
             move |canvas: &mut Canvas, [x, y]: [f64; 2]| {
-                canvas.rect([x - 6.0, y - 6.0], [12.0, 12.0], &Paint::fill(color))
+                canvas.rect([x - 6.0, y - 6.0], [12.0, 12.0], &Paint::fill(color));
             }
         })
         .collect();
@@ -158,7 +162,7 @@ pub fn ratings(ratings: &Ratings, item: &Item) -> String {
     let height = figure.draw(&mut canvas);
     for (row, (_, rating)) in rows.iter().enumerate() {
         let n = rating.mean.n.max(1) as f64;
-        let share = |step: i32| rating.counts.get(&step).copied().unwrap_or(0) as f64 / n;
+        let share = |step: i32| rating.count(step) as f64 / n;
         // What is neutral lies half on either side of zero.
         let below: f64 = steps.iter().filter(|step| **step < 0).map(|step| share(*step)).sum();
         let mut from = -(below + 0.5 * share(0));
@@ -212,11 +216,12 @@ pub fn tasks(tasks: &Tasks) -> String {
         entries.push(("counted exactly", &marks[3]));
     }
     let used = legend(&mut canvas, [24.0, 22.0], WIDTH - 48.0, &entries);
-    let figure = Rows::new(
+    let mut figure = Rows::new(
         rows.iter().map(|part| format!("{} ({})", part_name(&part.by), part.recognised.n)).collect(),
         22.0 + used,
         Axis::linear("Share of answers, 95 % (Wilson)", 0.0, 1.0).with_ticks(5).in_percent(),
     );
+    figure.row = TALL_ROW;
     let height = figure.draw(&mut canvas);
     for (row, part) in rows.iter().enumerate() {
         let mut draw = |share: &Share, shift: f64, color: &str| {
@@ -225,11 +230,11 @@ pub fn tasks(tasks: &Tasks) -> String {
             canvas.line([low, y], [high, y], &Paint::stroke(color, 1.8));
             canvas.circle([figure.x(share.share), y], 3.4, &Paint::fill(color));
         };
-        draw(&part.recognised, -8.0, kinds[0].1);
-        draw(&part.equal, -2.7, kinds[1].1);
-        draw(&part.test_better, 2.7, kinds[2].1);
+        draw(&part.recognised, -10.5, kinds[0].1);
+        draw(&part.equal, -3.5, kinds[1].1);
+        draw(&part.test_better, 3.5, kinds[2].1);
         if let Some(counting) = &part.counting {
-            draw(&counting.exact, 8.0, GREEN);
+            draw(&counting.exact, 10.5, GREEN);
         }
     }
     canvas.finish(

@@ -8,11 +8,11 @@ use super::posterior::Posterior;
 use std::f64::consts::PI;
 
 /// Nodes in threshold, ln width, and each rate, while the box closes in.
-const COARSE: [usize; 4] = [24, 16, 5, 4];
+const COARSE: [usize; 4] = [24, 16, 5, 5];
 /// The same for the integral, with γ fixed.
 const FINE: [usize; 4] = [64, 40, 8, 1];
 /// The same with γ free.
-const FINE_FREE: [usize; 4] = [48, 28, 6, 6];
+const FINE_FREE: [usize; 4] = [44, 28, 6, 8];
 /// A threshold and width whose density is this much below the best in ln, at the best node's rates, are passed over.
 const HOPELESS: f64 = 60.0;
 /// Cells of a rate's marginal for its quantiles.
@@ -21,6 +21,8 @@ const DENSE: usize = 301;
 const MOST_PASSES: usize = 5;
 /// Marginals below this share of their largest are left out of the box.
 const NEGLIGIBLE: f64 = 1e-6;
+/// The same for a rate, which has few nodes to spend on its tail.
+const NEGLIGIBLE_RATE: f64 = 1e-4;
 
 /// What the integral gives: 2.5 %, 50 % and 97.5 % of each parameter, and the mode, in the axis's rising coordinate.
 #[derive(Debug)]
@@ -47,8 +49,8 @@ pub(super) fn integrate(posterior: &Posterior) -> Integrated {
     let guess =
         if posterior.guess_is_free() { grid.axes[3].dense().quantiles(quantiles) } else { [posterior.guesses()[0]; 3] };
     Integrated {
-        threshold: grid.axes[0].quantiles(quantiles),
-        width: grid.axes[1].quantiles(quantiles).map(f64::exp),
+        threshold: grid.axes[0].refined().quantiles(quantiles),
+        width: grid.axes[1].refined().quantiles(quantiles).map(f64::exp),
         lapse: grid.axes[2].dense().quantiles(quantiles),
         guess,
         mode: mode(posterior, grid.best, &ends),
@@ -89,9 +91,9 @@ impl Marginal {
     }
 
     /// The ends beyond which the density is negligible, one node to spare.
-    fn closer(&self) -> [f64; 2] {
+    fn closer(&self, negligible: f64) -> [f64; 2] {
         let density: Vec<f64> = self.mass.iter().zip(&self.weights).map(|(mass, weight)| mass / weight).collect();
-        let least = NEGLIGIBLE * density.iter().copied().fold(0.0, f64::max);
+        let least = negligible * density.iter().copied().fold(0.0, f64::max);
         let first = density.iter().position(|&d| d > least).unwrap_or(0);
         let last = density.iter().rposition(|&d| d > least).unwrap_or(density.len() - 1);
         [
@@ -100,7 +102,8 @@ impl Marginal {
         ]
     }
 
-    /// A marginal on Gauss–Legendre nodes, interpolated to even cells (Berrut and Trefethen 2004, Eq. 5.4 for the weights).
+    /// A marginal on Gauss–Legendre nodes on even cells. The logarithm of the density is interpolated, which is nearly a
+    /// parabola and cannot ripple below zero (Berrut and Trefethen 2004, Eq. 5.4 for the weights).
     fn dense(&self) -> Self {
         let n = self.nodes.len();
         let half = 0.5 * (self.ends[1] - self.ends[0]);
@@ -112,21 +115,41 @@ impl Marginal {
                 sign * ((1.0 - x * x) * self.weights[i]).sqrt()
             })
             .collect();
+        let densities: Vec<f64> = self.mass.iter().zip(&self.weights).map(|(mass, weight)| mass / weight).collect();
+        let top = densities.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let ln: Vec<f64> = densities.iter().map(|density| (density / top).max(1e-30).ln()).collect();
         let mut dense = Self::even(self.ends, DENSE);
         for (mass, &x) in dense.mass.iter_mut().zip(&dense.nodes) {
             let (mut above, mut below) = (0.0, 0.0);
             for i in 0..n {
                 let share = barycentric[i] / (x - self.nodes[i]);
-                above += share * self.mass[i] / self.weights[i];
+                above += share * ln[i];
                 below += share;
             }
-            let density = above / below;
-            // A polynomial may dip below zero, and a node may coincide with a cell's middle.
-            *mass = if density.is_finite() { density.max(0.0) } else { 0.0 };
+            // A cell's middle may be a node, where the quotient is not defined.
+            let at_node = self.nodes.iter().position(|node| (x - node).abs() < 1e-12).map(|i| ln[i]);
+            *mass = at_node.unwrap_or(above / below).min(3.0).exp();
         }
         let total: f64 = dense.mass.iter().sum();
         dense.mass.iter_mut().for_each(|mass| *mass /= total);
         dense
+    }
+
+    /// A marginal on even cells, each split into eight along the slope to its neighbours.
+    fn refined(&self) -> Self {
+        const SPLIT: usize = 8;
+        let mut refined = Self::even(self.ends, SPLIT * self.nodes.len());
+        for (index, mass) in refined.mass.iter_mut().enumerate() {
+            let (cell, part) = (index / SPLIT, index % SPLIT);
+            let at = |i: Option<usize>| i.and_then(|i| self.mass.get(i)).copied().unwrap_or(self.mass[cell]);
+            let slope = 0.5 * (at(Some(cell + 1)) - at(cell.checked_sub(1)));
+            let offset = (part as f64 + 0.5) / SPLIT as f64 - 0.5;
+            // Beside a cell that is far larger the slope would go below zero.
+            *mass = (self.mass[cell] + slope * offset).max(0.0) / SPLIT as f64;
+        }
+        let total: f64 = refined.mass.iter().sum();
+        refined.mass.iter_mut().for_each(|mass| *mass /= total);
+        refined
     }
 
     /// Quantiles of the marginal; the mass of a node is spread evenly over its share of the axis.
@@ -215,9 +238,10 @@ impl Grid {
 
     fn closer(&self, ends: &[[f64; 2]; 4]) -> [[f64; 2]; 4] {
         let mut closer = *ends;
-        for (ends, axis) in closer.iter_mut().zip(&self.axes) {
+        let negligible = [NEGLIGIBLE, NEGLIGIBLE, NEGLIGIBLE_RATE, NEGLIGIBLE_RATE];
+        for ((ends, axis), negligible) in closer.iter_mut().zip(&self.axes).zip(negligible) {
             if axis.nodes.len() > 1 {
-                *ends = axis.closer();
+                *ends = axis.closer(negligible);
             }
         }
         closer

@@ -165,7 +165,7 @@ fn ratings(ratings: &Ratings) -> String {
         for part in &ratings.parts {
             if let Some(rating) = part.items.iter().find(|rating| rating.item == item.item) {
                 let mut row = vec![part_name(&part.by)];
-                row.extend(steps.iter().map(|step| rating.counts.get(step).copied().unwrap_or(0).to_string()));
+                row.extend(steps.iter().map(|step| rating.count(*step).to_string()));
                 row.extend(mean(&rating.mean).into_iter().skip(1).take(2));
                 rows.push(row);
             }
