@@ -11,7 +11,7 @@ fn power(arguments: &[&str]) -> Value {
 }
 
 fn quantity<'v>(power: &'v Value, name: &str) -> &'v Value {
-    let quantities = power["quantities"].as_array().unwrap();
+    let quantities = power["quantities"].as_array().expect("a list");
     quantities.iter().find(|quantity| quantity["name"] == name).unwrap_or_else(|| panic!("{name}: {power:#}"))
 }
 
