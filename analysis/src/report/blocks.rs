@@ -231,9 +231,12 @@ pub(super) fn group(input: &ReportInput) -> String {
     if document.group.is_empty() {
         return String::new();
     }
+    // Single cells and how much was done are in the page's data.
+    let shown = |row: &&GroupRow| row.by.len() < 2 && !matches!(row.quantity.as_str(), "moves" | "comparisons");
     let mut rows: Vec<Vec<String>> = document
         .group
         .iter()
+        .filter(shown)
         .map(|GroupRow { block, quantity, by, over_observers, .. }| {
             let mut row = vec![block.clone(), quantity.clone(), part_name(by)];
             row.extend(mean(over_observers));

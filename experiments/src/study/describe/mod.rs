@@ -133,6 +133,8 @@ pub struct BlockDescription {
     pub order: String,
     /// Levels that may be shown.
     pub levels: usize,
+    /// Whether any level between two limits may be shown; then `levels` counts the limits.
+    pub continuous: bool,
     /// Renderer parameters that the levels set, with their ranges.
     pub parameters: Vec<ParameterRange>,
     /// Pairs of eccentricity and MAR left out because the display cannot show them.
@@ -270,6 +272,7 @@ fn describe_block(block: &BlockPlan, plan: &Plan) -> BlockDescription {
         presentation: design::presentation(block),
         order: design::order(block),
         levels: levels.len(),
+        continuous: block.procedure.is_continuous(),
         parameters: design::parameter_ranges(levels),
         levels_beyond_display,
         mar_deg: extent(levels.iter().filter_map(|level| condition.tested_at(level)[1])),

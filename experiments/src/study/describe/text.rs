@@ -100,7 +100,10 @@ impl fmt::Display for BlockDescription {
             [self.presentation.as_str(), self.order.as_str()].into_iter().filter(|w| !w.is_empty()).collect();
         wrapped(f, "  order   ", &order.join("; "))?;
         wrapped(f, "  ends    ", &self.stop)?;
-        write!(f, "  levels  {}", self.levels)?;
+        match self.continuous {
+            true => write!(f, "  levels  any between two limits")?,
+            false => write!(f, "  levels  {}", self.levels)?,
+        }
         match self.mar_deg {
             Some([fine, coarse]) if fine < coarse => write!(f, ", MAR {fine:.4}–{coarse:.4}° per cycle")?,
             Some([only, _]) => write!(f, ", MAR {only:.4}° per cycle")?,
@@ -111,6 +114,7 @@ impl fmt::Display for BlockDescription {
                 let ParameterRange { name, values, min, max } = range;
                 match values {
                     1 => write!(f, ", {name} {min}")?,
+                    2 if self.continuous => write!(f, ", {name} {min}–{max}")?,
                     _ => write!(f, ", {name} {min}–{max} ({values} values)")?,
                 }
             }

@@ -359,5 +359,8 @@ fn descriptions_say_what_is_done_and_when_it_ends() {
         let block = &describe(&plan).blocks[1];
         assert!(block.procedure.starts_with(words[0]), "{}", block.procedure);
         assert_eq!(block.stop, words[1]);
+        // What moves freely has limits, not a number of levels.
+        let free = matches!(plan.blocks[1].procedure, ProcedurePlan::Staircase(_) | ProcedurePlan::Quest(_));
+        assert_eq!(describe(&plan).to_string().contains("levels  any between two limits, MAR 0.0"), free);
     }
 }
