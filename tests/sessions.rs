@@ -113,7 +113,7 @@ fn a_recorded_gaze_is_played_back_sample_by_sample() {
 #[test]
 fn an_analysis_has_the_documented_keys_and_recovers_what_the_observer_was() {
     let folder = with_study(12);
-    let sessions = [1, 2].map(|seed| session(folder.path(), "study.json", &format!("{seed}"), seed, &["--no-render"]));
+    let sessions = [3, 4].map(|seed| session(folder.path(), "study.json", &format!("{seed}"), seed, &["--no-render"]));
     let paths = sessions.each_ref().map(|session| session.to_str().unwrap());
     let before = contents(folder.path());
     let analysis = run(folder.path(), &["analyze", paths[0], paths[1], "--json"]).expect(0).json();
