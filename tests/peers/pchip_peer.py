@@ -1,6 +1,6 @@
-"""Monotone cubic interpolation by scipy: the numbers that experiments/src/contrast/peer_numbers.rs holds.
+"""Monotone cubic interpolation by scipy: the numbers that experiments/src/contrast/peer_numbers.in holds.
 
-    python pchip_peer.py > ../../experiments/src/contrast/peer_numbers.rs
+    python pchip_peer.py > ../../experiments/src/contrast/peer_numbers.in
 """
 
 import numpy

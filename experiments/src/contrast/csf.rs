@@ -102,7 +102,7 @@ mod tests {
     use super::super::FULL_RESOLUTION;
     use super::*;
 
-    include!("peer_numbers.rs");
+    include!("peer_numbers.in");
 
     #[test]
     fn curves_agree_with_scipy() {
