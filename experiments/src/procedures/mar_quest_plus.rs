@@ -1,7 +1,7 @@
 //! QUEST+ over the MAR model itself: it places eccentricity and omega together to learn m and omega0.
 //!
 //! The stimulus is a pair (eccentricity, omega); the parameters are m, omega0, width and lapse. One line through all
-//! eccentricities is learned at once, instead of a threshold at each; the likelihood is [`MarModel`]'s.
+//! eccentricities is learned at once, instead of a threshold at each; the likelihood is [`crate::mar::MarModel`]'s.
 //!
 //! Left free, the procedure asks at the two ends of the range, where a line is learned fastest, and leaves nothing to
 //! tell whether it is a line at all. A balanced plan therefore fixes the eccentricities, each equally often in shuffled

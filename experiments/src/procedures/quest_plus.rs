@@ -8,8 +8,8 @@
 //! expected after showing s is H(p) + Σ p(θ) h(s, θ) − h(Σ p(θ) ψ(s, θ)), where h(s, θ) is tabulated once. So a choice
 //! needs a multiply-add for each outcome and cell of the table, and logarithms for each stimulus but none for each cell.
 //!
-//! After some trials nearly all parameter values are excluded. Runs of [`CHUNK`] values that together hold less than
-//! [`NEGLIGIBLE`] of the posterior are left out of the sums; they are still updated, so that they can come back.
+//! After some trials nearly all parameter values are excluded. Runs of `CHUNK` values that together hold less than
+//! `NEGLIGIBLE` of the posterior are left out of the sums; they are still updated, so that they can come back.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Screens: pages of text, scales and marks, drawn once on the CPU and laid over a frame by the display pass.
 //!
 //! Sizes are in degrees, so that text is as large to the eye on every display; it only shrinks where a display is too
-//! small to hold it. [`lettering`] sets type; what moves or is shaded is not drawn here but by the display pass.
+//! small to hold it. `lettering` sets type; what moves or is shaded is not drawn here but by the display pass.
 
 mod lettering;
 mod mark;

@@ -5,7 +5,7 @@
 //! has the same two units of variance, so that one truth means the same in every protocol.
 //!
 //! Every phase that asks draws one number from the observer's stream, whatever it asks and whatever was seen, and seeds
-//! with it the [`Dice`] of that answer. So an observer that is led through a journal again is where it was.
+//! with it the `Dice` of that answer. So an observer that is led through a journal again is where it was.
 
 mod adjusting;
 mod comparing;
