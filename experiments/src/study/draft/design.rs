@@ -1,6 +1,7 @@
 //! Designs, as a study writes them: factors, orders, breaks, practice, groups, sittings, pilot runs.
 
 use super::{NAME_PATTERN, OptionalParameters};
+use crate::study::plan::{FoveationCentre, GroupOrder};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -37,7 +38,7 @@ pub struct FactorLevelDraft {
     /// Another way of looking.
     pub fixation: Option<FixationDraft>,
     /// What the renderer takes for the gaze: "gaze" or "target".
-    pub foveate: Option<String>,
+    pub foveate: Option<FoveationCentre>,
 }
 
 /// How observers look while stimuli are shown.
@@ -81,7 +82,7 @@ pub struct OrderDraft {
     pub grouped_by: Option<Vec<Option<String>>>,
     /// In which order the groups come: "shuffled" (when absent), "listed", or "latin-square" (a row of a balanced square
     /// by the observer's number).
-    pub groups: Option<String>,
+    pub groups: Option<GroupOrder>,
     /// Whether trials are shuffled (true when absent) or come as the design lists them. Adaptive procedures are
     /// interleaved when shuffled, and run one after the other when not.
     pub shuffled: Option<bool>,
@@ -100,7 +101,18 @@ pub struct CriterionDraft {
     #[schemars(range(min = 1, max = 100))]
     pub max_rounds: Option<u32>,
     /// What follows when no round was enough: "go-on" (when absent) or "end".
-    pub otherwise: Option<String>,
+    pub otherwise: Option<Otherwise>,
+}
+
+/// What follows when practice was not passed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Otherwise {
+    /// The session goes on with the next block.
+    #[default]
+    GoOn,
+    /// The session ends.
+    End,
 }
 
 /// One group of a between-subject design. New observers go to the group with the fewest.

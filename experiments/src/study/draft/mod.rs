@@ -15,6 +15,7 @@ pub use procedure::*;
 pub use protocol::*;
 
 use crate::catalogue::ParameterValue;
+use crate::study::plan::{FoveationCentre, PresentationOrder};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -159,7 +160,7 @@ pub struct ConditionDraft {
     pub fixation: Option<FixationDraft>,
     /// What the renderer takes for the gaze: "gaze" (when absent) or "target", the fixation mark or moving target wherever
     /// the gaze is.
-    pub foveate: Option<String>,
+    pub foveate: Option<FoveationCentre>,
 }
 
 /// Trials that share a design, a protocol and a procedure.
@@ -190,7 +191,7 @@ pub struct BlockDraft {
     pub procedure: Option<ProcedureDraft>,
     /// Which of reference and test comes first: "random" (when absent), "both" (every trial comes in both orders),
     /// "reference-first" or "test-first".
-    pub presentation: Option<String>,
+    pub presentation: Option<PresentationOrder>,
     /// In which order the trials come; shuffled when absent.
     pub order: Option<OrderDraft>,
     /// A break after this many completed trials; no breaks when absent.

@@ -1,6 +1,7 @@
 //! How a trial asks, as a study writes it.
 
 use super::{ItemDraft, NumberList};
+use crate::study::plan::{Finer, OnGazeLeft, Wanted};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -24,6 +25,26 @@ pub enum ProtocolDraft {
     Adjustment(AdjustmentDraft),
     /// Two sequences, each with a task; the observer says which was better, or that they were equal.
     PairedTask(PairedTaskDraft),
+}
+
+/// What follows when gaze leaves the gate during something that is shown for a set time: it cannot hide and go on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OnGazeLeftTimed {
+    /// Nothing.
+    #[default]
+    Ignore,
+    /// The trial ends and is asked again later.
+    Abort,
+}
+
+impl From<OnGazeLeftTimed> for OnGazeLeft {
+    fn from(timed: OnGazeLeftTimed) -> Self {
+        match timed {
+            OnGazeLeftTimed::Ignore => Self::Ignore,
+            OnGazeLeftTimed::Abort => Self::Abort,
+        }
+    }
 }
 
 impl ProtocolDraft {
@@ -60,8 +81,7 @@ pub struct TwoIntervalDraft {
     #[schemars(range(max = 600.0), extend("exclusiveMinimum" = 0))]
     pub feedback_s: Option<f64>,
     /// Which one the question asks for: the "degraded" one (when absent) or the "reference".
-    #[schemars(extend("enum" = ["degraded", "reference"]))]
-    pub asks_for: Option<String>,
+    pub asks_for: Option<Wanted>,
     /// The question; "Which one was degraded: the first or the second?" when absent, or the same with "not degraded" where
     /// the reference is asked for.
     #[schemars(length(min = 1))]
@@ -85,16 +105,14 @@ pub struct ToggleDraft {
     #[schemars(range(max = 600.0), extend("exclusiveMinimum" = 0))]
     pub feedback_s: Option<f64>,
     /// Which one the question asks for: the "degraded" one or the "reference" (when absent).
-    #[schemars(extend("enum" = ["degraded", "reference"]))]
-    pub asks_for: Option<String>,
+    pub asks_for: Option<Wanted>,
     /// The question, for descriptions; "Which one is not degraded: A or B?" when absent, or the same with "degraded". No
     /// words stand beside a stimulus: say it in the block's instructions too.
     #[schemars(length(min = 1))]
     pub question: Option<String>,
     /// What follows when gaze leaves the gate: "hide" the stimulus until it is back (when absent), "abort" the trial, which
     /// is asked again later, or "ignore" it.
-    #[schemars(extend("enum" = ["hide", "abort", "ignore"]))]
-    pub on_gaze_left: Option<String>,
+    pub on_gaze_left: Option<OnGazeLeft>,
 }
 
 /// Two sequences; the observer says which was better, or that both were the same.
@@ -121,8 +139,7 @@ pub struct PairDraft {
     pub question: Option<String>,
     /// What follows when gaze leaves the gate during a sequence: "ignore" (when absent) or "abort", after which the trial is
     /// asked again later.
-    #[schemars(extend("enum" = ["ignore", "abort"]))]
-    pub on_gaze_left: Option<String>,
+    pub on_gaze_left: Option<OnGazeLeftTimed>,
 }
 
 /// Quality rises or falls in steps; the observer says whether it increased, decreased or stayed the same.
@@ -137,8 +154,7 @@ pub struct RampDraft {
     pub from: Option<f64>,
     /// Which way the parameter makes the picture finer: "up" (when absent; larger is finer, as with a quality index) or
     /// "down".
-    #[schemars(extend("enum" = ["up", "down"]))]
-    pub finer: Option<String>,
+    pub finer: Option<Finer>,
     /// Steps, both ends included; 5 when absent.
     #[schemars(range(min = 2, max = 1000))]
     pub steps: Option<u32>,
@@ -159,8 +175,7 @@ pub struct RampDraft {
     pub question: Option<String>,
     /// What follows when gaze leaves the gate during a sequence: "ignore" (when absent) or "abort", after which the trial is
     /// asked again later.
-    #[schemars(extend("enum" = ["ignore", "abort"]))]
-    pub on_gaze_left: Option<String>,
+    pub on_gaze_left: Option<OnGazeLeftTimed>,
 }
 
 /// The observer goes up and down in quality until the test looks like the reference.
@@ -199,8 +214,7 @@ pub struct LikertDraft {
     pub items: Option<Vec<Option<ItemDraft>>>,
     /// What follows when gaze leaves the gate during a sequence: "ignore" (when absent) or "abort", after which the trial is
     /// asked again later.
-    #[schemars(extend("enum" = ["ignore", "abort"]))]
-    pub on_gaze_left: Option<String>,
+    pub on_gaze_left: Option<OnGazeLeftTimed>,
 }
 
 /// The observer sets several parameters of the renderer until no difference from the reference is seen.
@@ -259,8 +273,7 @@ pub struct PairedTaskDraft {
     pub question: Option<String>,
     /// What follows when gaze leaves the gate during a sequence: "ignore" (when absent) or "abort", after which the trial is
     /// asked again later.
-    #[schemars(extend("enum" = ["ignore", "abort"]))]
-    pub on_gaze_left: Option<String>,
+    pub on_gaze_left: Option<OnGazeLeftTimed>,
 }
 
 /// What observers do during a sequence.

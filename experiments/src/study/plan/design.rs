@@ -1,6 +1,8 @@
 //! What is crossed with what, and in which order trials come.
 
 use super::Condition;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// One cell of a block's design: a condition, and the factor levels that made it.
@@ -13,9 +15,11 @@ pub struct Cell {
 }
 
 /// Which of reference and test comes first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum PresentationOrder {
     /// Drawn for each trial.
+    #[default]
     Random,
     /// Each trial of the design comes in both orders, which doubles their number.
     Both,
@@ -45,9 +49,11 @@ impl Default for OrderPlan {
 }
 
 /// In which order groups of trials come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum GroupOrder {
     /// Drawn for each session.
+    #[default]
     Shuffled,
     /// As the study lists the factor's levels.
     Listed,

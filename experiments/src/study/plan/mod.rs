@@ -15,6 +15,8 @@ pub use protocol::*;
 
 use crate::catalogue::{DetailLaw, ParameterValue, Parameters};
 use crate::display::Display;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// One value of everything that a procedure varies: renderer parameter name → value in the parameter's unit.
@@ -225,9 +227,11 @@ pub struct MovingTarget {
 }
 
 /// What a renderer takes for the gaze.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum FoveationCentre {
     /// The measured gaze.
+    #[default]
     Gaze,
     /// The fixation mark or the moving target, wherever the gaze is.
     Target,

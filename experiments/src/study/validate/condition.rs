@@ -1,7 +1,6 @@
 //! Conditions against the catalogue: does the scene exist, does the renderer, do their parameters, is the target on the
 //! display?
 
-use super::words::chosen;
 use crate::catalogue::{Catalogue, ParameterSchema, ParameterValue, Parameters, complete_parameters};
 use crate::display::Display;
 use crate::study::draft::{ConditionDraft, FactorLevelDraft, FixationDraft, MovingDraft, OptionalParameters};
@@ -38,7 +37,7 @@ pub(super) struct Parts {
     renderer: Option<Placed<String>>,
     renderer_parameters: BTreeMap<String, Placed<ParameterValue>>,
     fixation: Option<Placed<FixationDraft>>,
-    foveate: Option<Placed<String>>,
+    foveate: Option<Placed<FoveationCentre>>,
 }
 
 impl Parts {
@@ -105,11 +104,9 @@ pub(super) fn checked(name: &str, parts: &Parts, world: World<'_>, report: &mut 
     let renderer_parameters =
         renderer.and_then(|renderer| parameters(&renderer.parameters, &parts.renderer_parameters, report));
     let fixation = fixation(parts, world, report);
-    let (foveate, field) =
-        parts.foveate.as_ref().map_or((None, &parts.field), |(word, field)| (Some(word.as_str()), field));
-    let foveation =
-        chosen(foveate, &[("gaze", FoveationCentre::Gaze), ("target", FoveationCentre::Target)], field, report);
-    if let (Some(Fixation::Free), Some(FoveationCentre::Target)) = (fixation, foveation) {
+    let (foveation, field) =
+        parts.foveate.as_ref().map_or((FoveationCentre::default(), &parts.field), |(centre, field)| (*centre, field));
+    if (fixation, foveation) == (Some(Fixation::Free), FoveationCentre::Target) {
         report.at(field, "expected \"gaze\" with free viewing, where there is no target, found \"target\"");
     }
     Some(Condition {
@@ -120,7 +117,7 @@ pub(super) fn checked(name: &str, parts: &Parts, world: World<'_>, report: &mut 
         renderer_parameters: renderer_parameters?,
         detail: renderer?.detail.clone(),
         fixation: fixation?,
-        foveation: foveation?,
+        foveation,
     })
 }
 

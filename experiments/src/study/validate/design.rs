@@ -2,16 +2,15 @@
 
 use super::condition::{Parts, World, checked as checked_condition};
 use super::listed_names;
-use super::words::chosen;
 use crate::design::order::arrange;
 use crate::streams::Stream;
 use crate::study::draft::{
-    BlockDraft, CriterionDraft, FactorDraft, FactorLevelDraft, GroupDraft, OrderDraft, PilotDraft, SittingsDraft,
+    BlockDraft, CriterionDraft, FactorDraft, FactorLevelDraft, GroupDraft, OrderDraft, Otherwise, PilotDraft,
+    SittingsDraft,
 };
 use crate::study::mistakes::{Report, suggestion};
 use crate::study::plan::{
-    BlockPlan, Cell, CriterionPlan, GroupOrder, GroupPlan, OrderPlan, PilotPlan, PresentationOrder, ProcedurePlan,
-    SittingsPlan,
+    BlockPlan, Cell, CriterionPlan, GroupPlan, OrderPlan, PilotPlan, ProcedurePlan, SittingsPlan,
 };
 use crate::study::source::Field;
 use std::collections::{BTreeMap, BTreeSet};
@@ -202,20 +201,6 @@ fn report_unbalanced(
     }
 }
 
-pub(super) fn presentation_order(
-    draft: &BlockDraft,
-    field: &Field,
-    report: &mut Report<'_>,
-) -> Option<PresentationOrder> {
-    let options = [
-        ("random", PresentationOrder::Random),
-        ("both", PresentationOrder::Both),
-        ("reference-first", PresentationOrder::ReferenceFirst),
-        ("test-first", PresentationOrder::TestFirst),
-    ];
-    chosen(draft.presentation.as_deref(), &options, &field.key("presentation"), report)
-}
-
 /// The order of a block's trials, with every factor that it names known.
 pub(super) fn order(
     draft: Option<&OrderDraft>,
@@ -225,9 +210,6 @@ pub(super) fn order(
 ) -> Option<OrderPlan> {
     let Some(draft) = draft else { return Some(OrderPlan::default()) };
     let before = report.count();
-    let groups =
-        [("shuffled", GroupOrder::Shuffled), ("listed", GroupOrder::Listed), ("latin-square", GroupOrder::LatinSquare)];
-    let groups = chosen(draft.groups.as_deref(), &groups, &field.key("groups"), report);
     let known: BTreeSet<&str> =
         cells.into_iter().flatten().flat_map(|c| c.factors.keys().map(String::as_str)).collect();
     let mut named = |names: Option<&Vec<Option<String>>>, key: &str| -> Vec<String> {
@@ -265,7 +247,12 @@ pub(super) fn order(
             format!("expected factors that trials are not grouped by, found \"{name}\", which a group repeats"),
         );
     }
-    (report.count() == before).then_some(OrderPlan { grouped_by, groups: groups?, shuffled, no_repeat })
+    (report.count() == before).then_some(OrderPlan {
+        grouped_by,
+        groups: draft.groups.unwrap_or_default(),
+        shuffled,
+        no_repeat,
+    })
 }
 
 /// Reports an order whose constraint the block's trials cannot keep.
@@ -307,12 +294,10 @@ pub(super) fn criterion(
         report
             .at_key(field, "expected a protocol with right answers, found one without, whose share cannot be counted");
     }
-    let ends_session =
-        chosen(draft.otherwise.as_deref(), &[("go-on", false), ("end", true)], &field.key("otherwise"), report)?;
     Some(CriterionPlan {
         share_correct: draft.share_correct?,
         max_rounds: draft.max_rounds.unwrap_or(DEFAULT_ROUNDS),
-        ends_session,
+        ends_session: draft.otherwise.unwrap_or_default() == Otherwise::End,
     })
 }
 

@@ -11,7 +11,6 @@ mod form;
 mod procedure;
 mod protocol;
 mod values;
-mod words;
 
 pub(super) use display::described as display_from;
 pub use display::finest_mar_around;
@@ -260,7 +259,6 @@ impl Context<'_> {
             });
         }
         let order = design::order(draft.order.as_ref(), cells.as_deref(), &field.key("order"), report);
-        let presentation_order = design::presentation_order(draft, field, report);
         let practice = draft.practice.unwrap_or(false);
         let criterion = draft.criterion.as_ref().map(|criterion| {
             let has_right_answers = protocol.as_ref().is_none_or(ProtocolPlan::has_right_answers);
@@ -277,7 +275,7 @@ impl Context<'_> {
             protocol: protocol?,
             feedback_s: draft.protocol.as_ref().and_then(ProtocolDraft::feedback_s).unwrap_or(DEFAULT_FEEDBACK_S),
             procedure: procedure?,
-            presentation_order: presentation_order?,
+            presentation_order: draft.presentation.unwrap_or_default(),
             order: order?,
             breaks: BreakPlan {
                 every_trials: draft.break_every_trials,

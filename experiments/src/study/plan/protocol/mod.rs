@@ -11,6 +11,8 @@ pub use moved::*;
 
 use super::Item;
 use crate::trial::{Alternative, GazeRule};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// How a trial asks.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,7 +144,8 @@ impl ProtocolPlan {
 }
 
 /// Which of two pictures a forced choice asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Wanted {
     /// The degraded one.
     Degraded,
@@ -162,7 +165,8 @@ impl Wanted {
 }
 
 /// What follows when gaze leaves the gate while a stimulus is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum OnGazeLeft {
     /// Nothing.
     Ignore,

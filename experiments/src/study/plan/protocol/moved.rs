@@ -1,11 +1,15 @@
 //! Protocols that move a parameter of the renderer within a trial: ramp, slider, adjustment.
 
 use super::OnGazeLeft;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// Which way a parameter makes the picture finer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
 pub enum Finer {
     /// Larger values are finer, as with Guenter's quality index.
+    #[default]
     Up,
     /// Smaller values are finer, as with a MAR slope.
     Down,

@@ -1,7 +1,7 @@
 //! Protocols that show reference and test one after the other: two intervals, toggled, pairs, pairs with a task.
 
 use super::super::DEFAULT_QUESTION;
-use super::{Context, one_of};
+use super::Context;
 use crate::study::draft::{CountDraft, PairDraft, PairedTaskDraft, TaskDraft, ToggleDraft, TwoIntervalDraft};
 use crate::study::mistakes::Report;
 use crate::study::plan::{OnGazeLeft, PairPlan, PairedTaskPlan, Task, TogglePlan, TwoIntervalPlan, Wanted};
@@ -22,10 +22,10 @@ pub(super) fn two_interval(
         ("feedback_s", draft.feedback_s),
     ];
     context.report_short_phases(&phases, report);
-    let wanted = context.wanted(draft.asks_for.as_deref(), Wanted::Degraded, report);
+    let wanted = draft.asks_for.unwrap_or(Wanted::Degraded);
     let question = match wanted {
-        Some(Wanted::Reference) => "Which one was not degraded: the first or the second?",
-        _ => DEFAULT_QUESTION,
+        Wanted::Reference => "Which one was not degraded: the first or the second?",
+        Wanted::Degraded => DEFAULT_QUESTION,
     };
     Some(TwoIntervalPlan {
         fixation_s: draft.fixation_s?,
@@ -33,28 +33,25 @@ pub(super) fn two_interval(
         gap_s: draft.gap_s?,
         answer_timeout_s: draft.answer_timeout_s,
         question: or_default(draft.question.as_ref(), question),
-        wanted: wanted?,
+        wanted,
     })
 }
 
 pub(super) fn toggle(draft: &ToggleDraft, context: Context<'_>, report: &mut Report<'_>) -> Option<TogglePlan> {
     let phases = [("fixation_s", draft.fixation_s), ("switch_s", draft.switch_s), ("feedback_s", draft.feedback_s)];
     context.report_short_phases(&phases, report);
-    let wanted = context.wanted(draft.asks_for.as_deref(), Wanted::Reference, report);
-    let known = [("hide", OnGazeLeft::Hide), ("abort", OnGazeLeft::Abort), ("ignore", OnGazeLeft::Ignore)];
-    let field = context.field.key("on_gaze_left");
-    let on_gaze_left = one_of(draft.on_gaze_left.as_deref(), OnGazeLeft::Hide, &known, &field, report);
+    let wanted = draft.asks_for.unwrap_or(Wanted::Reference);
     let question = match wanted {
-        Some(Wanted::Degraded) => "Which one is degraded: A or B?",
-        _ => "Which one is not degraded: A or B?",
+        Wanted::Degraded => "Which one is degraded: A or B?",
+        Wanted::Reference => "Which one is not degraded: A or B?",
     };
     Some(TogglePlan {
         fixation_s: draft.fixation_s?,
         switch_s: draft.switch_s?,
         most_switches: draft.most_switches,
         question: or_default(draft.question.as_ref(), question),
-        wanted: wanted?,
-        on_gaze_left: on_gaze_left?,
+        wanted,
+        on_gaze_left: draft.on_gaze_left.unwrap_or(OnGazeLeft::Hide),
     })
 }
 
@@ -66,7 +63,6 @@ pub(super) fn pair(draft: &PairDraft, context: Context<'_>, report: &mut Report<
         ("feedback_s", draft.feedback_s),
     ];
     context.report_short_phases(&phases, report);
-    let on_gaze_left = context.on_gaze_left_of_timed(draft.on_gaze_left.as_deref(), report);
     let question = "Which one was better: the first, the second, or were both the same?";
     Some(PairPlan {
         fixation_s: draft.fixation_s,
@@ -74,7 +70,7 @@ pub(super) fn pair(draft: &PairDraft, context: Context<'_>, report: &mut Report<
         black_s: draft.black_s.unwrap_or(PAIR_S[1]),
         answer_timeout_s: draft.answer_timeout_s,
         question: or_default(draft.question.as_ref(), question),
-        on_gaze_left: on_gaze_left?,
+        on_gaze_left: draft.on_gaze_left.unwrap_or_default().into(),
     })
 }
 
@@ -85,7 +81,6 @@ pub(super) fn paired_task(
 ) -> Option<PairedTaskPlan> {
     let phases = [("sequence_s", draft.sequence_s), ("marker_s", draft.marker_s), ("feedback_s", draft.feedback_s)];
     context.report_short_phases(&phases, report);
-    let on_gaze_left = context.on_gaze_left_of_timed(draft.on_gaze_left.as_deref(), report);
     let task = draft.task.as_ref().and_then(|draft| task(draft, &context.field.key("task"), report));
     Some(PairedTaskPlan {
         task: task?,
@@ -96,7 +91,7 @@ pub(super) fn paired_task(
             "Which one was better: the first, the second, or were they equal?",
         ),
         answer_timeout_s: draft.answer_timeout_s,
-        on_gaze_left: on_gaze_left?,
+        on_gaze_left: draft.on_gaze_left.unwrap_or_default().into(),
     })
 }
 

@@ -1,5 +1,4 @@
-//! Protocols against renderer and display: does a phase last a frame, do the parameters exist, do the words mean
-//! something?
+//! Protocols against renderer and display: does a phase last a frame, do the parameters exist?
 //!
 //! `compared` holds the protocols that show reference and test one after the other, `moved` those that move a parameter
 //! within a trial; a rated sequence is here.
@@ -10,8 +9,8 @@ mod moved;
 use super::form;
 use crate::catalogue::RendererInfo;
 use crate::study::draft::{ItemDraft, LikertDraft, ProtocolDraft};
-use crate::study::mistakes::{Report, suggestion};
-use crate::study::plan::{Condition, LikertPlan, OnGazeLeft, ProtocolPlan, Wanted};
+use crate::study::mistakes::Report;
+use crate::study::plan::{Condition, LikertPlan, ProtocolPlan};
 use crate::study::source::Field;
 
 /// What a protocol's parameters are set on.
@@ -50,7 +49,6 @@ pub(super) fn checked(
 
 fn likert(draft: &LikertDraft, context: Context<'_>, report: &mut Report<'_>) -> Option<LikertPlan> {
     context.report_short_phases(&[("fixation_s", draft.fixation_s), ("sequence_s", draft.sequence_s)], report);
-    let on_gaze_left = context.on_gaze_left_of_timed(draft.on_gaze_left.as_deref(), report);
     let field = context.field.key("items");
     let before = report.count();
     let items = draft.items.as_ref().map(|drafts| {
@@ -68,7 +66,7 @@ fn likert(draft: &LikertDraft, context: Context<'_>, report: &mut Report<'_>) ->
         fixation_s: draft.fixation_s,
         sequence_s: draft.sequence_s?,
         items: items?,
-        on_gaze_left: on_gaze_left?,
+        on_gaze_left: draft.on_gaze_left.unwrap_or_default().into(),
     })
 }
 
@@ -89,43 +87,4 @@ impl Context<'_> {
             }
         }
     }
-
-    /// Which picture is asked for.
-    fn wanted(&self, text: Option<&str>, default: Wanted, report: &mut Report<'_>) -> Option<Wanted> {
-        let known = [("degraded", Wanted::Degraded), ("reference", Wanted::Reference)];
-        one_of(text, default, &known, &self.field.key("asks_for"), report)
-    }
-
-    /// What follows when gaze leaves a phase that has a duration, and cannot hide.
-    fn on_gaze_left_of_timed(&self, text: Option<&str>, report: &mut Report<'_>) -> Option<OnGazeLeft> {
-        let field = self.field.key("on_gaze_left");
-        if text == Some("hide") {
-            report.at(
-                &field,
-                "expected \"ignore\" or \"abort\", found \"hide\": what is shown for a set time cannot hide and go on; only \
-                 toggled alternatives can",
-            );
-            return None;
-        }
-        let known = [("ignore", OnGazeLeft::Ignore), ("abort", OnGazeLeft::Abort)];
-        one_of(text, OnGazeLeft::Ignore, &known, &field, report)
-    }
-}
-
-/// What one of the known words means, the default if there is none; another word is reported with what is expected.
-fn one_of<T: Copy>(
-    text: Option<&str>,
-    default: T,
-    known: &[(&str, T)],
-    field: &Field,
-    report: &mut Report<'_>,
-) -> Option<T> {
-    let Some(text) = text else { return Some(default) };
-    let meaning = known.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
-    if meaning.is_none() {
-        let words: Vec<String> = known.iter().map(|(word, _)| format!("\"{word}\"")).collect();
-        let hint = suggestion(text, known.iter().map(|(word, _)| *word));
-        report.at(field, format!("expected {}, found {text:?}{hint}", words.join(" or ")));
-    }
-    meaning
 }

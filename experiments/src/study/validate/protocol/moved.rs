@@ -2,12 +2,12 @@
 
 use super::super::procedure::{Written, in_bounds, number_parameter};
 use super::super::values::listed;
+use super::Context;
 use super::compared::or_default;
-use super::{Context, one_of};
 use crate::catalogue::ParameterSchema;
 use crate::study::draft::{AdjustedDraft, AdjustmentDraft, RampDraft, SliderDraft};
 use crate::study::mistakes::Report;
-use crate::study::plan::{Adjusted, AdjustmentPlan, AdjustmentStep, Finer, RampPlan, SliderPlan};
+use crate::study::plan::{Adjusted, AdjustmentPlan, AdjustmentStep, RampPlan, SliderPlan};
 use crate::study::source::Field;
 use std::collections::BTreeSet;
 
@@ -35,19 +35,16 @@ pub(super) fn ramp(draft: &RampDraft, context: Context<'_>, report: &mut Report<
     let from = draft
         .from
         .filter(|&from| schema.is_none_or(|schema| in_bounds(schema, from, &context.field.key("from"), report)));
-    let known = [("up", Finer::Up), ("down", Finer::Down)];
-    let finer = one_of(draft.finer.as_deref(), Finer::Up, &known, &context.field.key("finer"), report);
-    let on_gaze_left = context.on_gaze_left_of_timed(draft.on_gaze_left.as_deref(), report);
     Some(RampPlan {
         parameter: draft.parameter.clone()?,
         from: from?,
-        finer: finer?,
+        finer: draft.finer.unwrap_or_default(),
         steps: draft.steps.unwrap_or(RAMP_STEPS),
         step_s: draft.step_s.unwrap_or(RAMP_S[0]),
         black_s: draft.black_s.unwrap_or(RAMP_S[1]),
         answer_timeout_s: draft.answer_timeout_s,
         question: or_default(draft.question.as_ref(), "Did the quality increase, decrease, or stay the same?"),
-        on_gaze_left: on_gaze_left?,
+        on_gaze_left: draft.on_gaze_left.unwrap_or_default().into(),
     })
 }
 
