@@ -10,8 +10,8 @@
 //! Model of ties: Thurstone's comparative judgment with a zone of indifference (Glenn & David 1960).
 
 use crate::mar::{Estimate, Support};
+use crate::numerics::normal_cdf_pair;
 use crate::psychometric::{Direction, Scale};
-use crate::stats::normal_cdf_pair;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -155,7 +155,7 @@ pub fn fit_comparison(counts: &[Compared], scale: Scale, direction: Direction) -
 
 /// d = δ/√2 of a visibility: ½ + ½F = Φ(d).
 fn d_of(seen: f64) -> f64 {
-    if seen > 1.0 - 1e-12 { LARGEST_D } else { crate::stats::normal_quantile(0.5 + 0.5 * seen).min(LARGEST_D) }
+    if seen > 1.0 - 1e-12 { LARGEST_D } else { crate::numerics::normal_quantile(0.5 + 0.5 * seen).min(LARGEST_D) }
 }
 
 /// Logarithms of the three shares for every d, zone and lapse rate: a fit asks for them a million times.

@@ -3,7 +3,7 @@
 //! Samples come as plain numbers; which of them belong to a stimulus phase, and where fixation was, the caller knows.
 //! Saccade and fixation detection is not here.
 
-use crate::stats::{quantile_of_sorted, sorted_finite};
+use crate::numerics::{quantile_of_sorted, sorted_finite};
 use serde::{Deserialize, Serialize};
 
 /// One gaze sample during a stimulus phase.

@@ -2,7 +2,7 @@
 //!
 //! Frames come as plain numbers from the session's log. A frame is missed when the stage says so; nothing is guessed here.
 
-use crate::stats::{quantile_of_sorted, sorted_finite};
+use crate::numerics::{quantile_of_sorted, sorted_finite};
 use serde::{Deserialize, Serialize};
 
 /// One presented frame.

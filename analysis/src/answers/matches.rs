@@ -2,8 +2,8 @@
 
 use super::Row;
 use super::strata::{Parts, strata};
+use crate::numerics::{quantile_of_sorted, sorted_finite};
 use crate::shares::Mean;
-use crate::stats::{quantile_of_sorted, sorted_finite};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -37,7 +37,7 @@ pub use goodness::Goodness;
 pub use support::Support;
 pub use thresholds::Threshold;
 
-use crate::stats::weighted_quantiles;
+use crate::numerics::weighted_quantiles;
 
 /// One answered trial of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -205,8 +205,8 @@ impl MarFit {
     /// Posterior median and 95 % interval of any quantity of the model.
     #[must_use]
     pub fn derived(&self, quantity: impl Fn(&MarModel) -> f64) -> Estimate {
-        let values = crate::stats::sorted_finite(self.posterior.iter().map(quantity));
-        let at = |q| crate::stats::quantile_of_sorted(&values, q).unwrap_or(f64::NAN);
+        let values = crate::numerics::sorted_finite(self.posterior.iter().map(quantity));
+        let at = |q| crate::numerics::quantile_of_sorted(&values, q).unwrap_or(f64::NAN);
         Estimate { estimate: at(0.5), ci95: [at(0.025), at(0.975)] }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::MarFitConfig;
 use super::data::{Data, Ring};
-use crate::stats::{LN_SQRT_TAU, ln_add_exp, normal_cdf_pair, normal_pdf};
+use crate::numerics::{LN_SQRT_TAU, ln_add_exp, normal_cdf_pair, normal_pdf};
 use experiments::mar::{MarModel, WIDTH_SCALE};
 use nalgebra::{Matrix4, Vector4};
 

@@ -8,7 +8,7 @@
 use super::MarFitConfig;
 use super::maximum::Mode;
 use super::posterior::Posterior;
-use crate::stats::{ln_sum_exp, normal_quantile};
+use crate::numerics::{ln_sum_exp, normal_quantile};
 use nalgebra::{Matrix4, Vector4};
 
 /// Weighted points that stand for the posterior; weights sum to one.

@@ -8,7 +8,7 @@ use super::data::{Data, Ring};
 use super::posterior::{Posterior, cell_ln_likelihood};
 use super::sampler::Sample;
 use super::{LogNormal, MarFitConfig};
-use crate::stats::{ln_add_exp, ln_sum_exp, normal_cdf_pair};
+use crate::numerics::{ln_add_exp, ln_sum_exp, normal_cdf_pair};
 use experiments::mar::WIDTH_SCALE;
 use serde::{Deserialize, Serialize};
 

@@ -9,8 +9,8 @@ mod figure;
 pub use figure::power_figure;
 
 use crate::mar::Estimate;
+use crate::numerics::{quantile_of_sorted, sorted_finite};
 use crate::shares::{Mean, Share};
-use crate::stats::{quantile_of_sorted, sorted_finite};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -9,7 +9,7 @@ mod grid;
 mod posterior;
 
 use crate::mar::{Estimate, Support};
-use crate::stats::normal_cdf_pair;
+use crate::numerics::normal_cdf_pair;
 use posterior::Posterior;
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +45,7 @@ impl Scale {
     /// The axis on which levels are spaced more evenly: logarithmic if their ratios vary less than their differences.
     #[must_use]
     pub fn of_levels(levels: &[f64]) -> Self {
-        let mut sorted = crate::stats::sorted_finite(levels.iter().copied());
+        let mut sorted = crate::numerics::sorted_finite(levels.iter().copied());
         sorted.dedup();
         if sorted.len() < 3 || sorted[0] <= 0.0 {
             return Self::Linear;

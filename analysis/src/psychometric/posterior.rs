@@ -1,7 +1,7 @@
 //! Likelihood and priors of one function, in the coordinate in which it rises as a cumulative Gaussian.
 
 use super::{Count, Guess, Psychometric, PsychometricConfig, WIDTH_IN_SD};
-use crate::stats::normal_cdf_pair;
+use crate::numerics::normal_cdf_pair;
 use std::f64::consts::PI;
 
 /// λ and a free γ are cut here; Beta(1, 10) has 0.1 % of its mass beyond.
