@@ -194,7 +194,12 @@ fn function(protocol: Option<Protocol>, direction: Direction, counts: &[Count]) 
     }
     let levels: Vec<f64> = counts.iter().map(|count| count.level).collect();
     let guess = if protocol.is_none_or(Protocol::is_forced_choice) { Guess::Fixed(0.5) } else { Guess::Free };
-    let config = PsychometricConfig { scale: Scale::of_levels(&levels), direction, guess };
+    let config = PsychometricConfig {
+        scale: Scale::of_levels(&levels),
+        direction,
+        guess,
+        ..PsychometricConfig::TWO_ALTERNATIVES
+    };
     fit_psychometric(counts, &config).map_err(|error| error.to_string())
 }
 
