@@ -9,6 +9,7 @@ mod check;
 mod demo;
 mod devices;
 mod export;
+mod fit;
 mod inputs;
 mod new;
 mod power;
@@ -45,6 +46,8 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Fit omega0 and m from sessions.
     Analyze(analyze::AnalyzeArgs),
+    /// Fit psychometric functions to any table of level, answers and right answers.
+    Fit(fit::FitArgs),
     /// Hand sessions on as tables.
     Export(export::ExportArgs),
     /// Draw one picture of a scene under a renderer.
@@ -73,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Power(args) => power::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Predict(args) => predict::run(&args),

@@ -94,9 +94,7 @@ pub fn bootstrap(
                 Resampling::NonParametric => resampled(&surface.data.counts, &mut rng),
             };
             let again = Surface::new(&answers, fit)?;
-            let warm = again.climb(&top);
-            let cold = again.climb(&again.plain_start());
-            Ok(function_at(&again, if warm.1 >= cold.1 { &warm.0 } else { &cold.0 }))
+            Ok(function_at(&again, &again.climb(&top).0))
         })
         .collect::<Result<Vec<_>, PsychometricError>>()?;
     Ok(Bootstrap { estimate, samples, config: *config, fit: *fit })

@@ -197,33 +197,56 @@ fn ln_products<const N: usize>(
     let r = dispersions.map(|dispersion| dispersion.r);
     let mut mantissa = [1.0f64; N];
     let mut exponent = [0i64; N];
-    let mut since = 0;
-    let mut run = |from: f64, count: u32| {
-        let mut factor = [from; N];
-        for _ in 0..count {
-            for lane in 0..N {
-                mantissa[lane] *= factor[lane];
-                factor[lane] += r[lane];
-            }
-            since += 1;
-            if since == 16 {
-                since = 0;
-                for lane in 0..N {
-                    let bits = mantissa[lane].to_bits();
-                    exponent[lane] += (bits >> 52) as i64 - 1023;
-                    mantissa[lane] = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000);
+    let mut room = FACTORS;
+    for (cell, seen) in blocks.iter().zip(seen) {
+        for (share, answers) in [(guess + rise * seen.0, cell.right), (lapse + rise * seen.1, cell.wrong)] {
+            let (mut factor, mut left) = ([share; N], answers);
+            while left > 0 {
+                let now = left.min(room);
+                (mantissa, factor) = multiplied(mantissa, factor, &r, now);
+                left -= now;
+                room -= now;
+                if room == 0 {
+                    room = FACTORS;
+                    split_exponents(&mut mantissa, &mut exponent);
                 }
             }
         }
-    };
-    for (cell, seen) in blocks.iter().zip(seen) {
-        run(guess + rise * seen.0, cell.right);
-        run(lapse + rise * seen.1, cell.wrong);
     }
     std::array::from_fn(|lane| {
         let numerator = mantissa[lane].ln() + exponent[lane] as f64 * std::f64::consts::LN_2;
         numerator - dispersions[lane].ln_denominator
     })
+}
+
+/// So many factors above [`SMALL`] neither underflow nor, at the largest η and a few thousand answers, overflow.
+const FACTORS: u32 = 16;
+
+/// A product times `count` factors, each of which is `r` larger than the one before. By value, so that all of it stays in
+/// registers.
+#[inline(always)]
+fn multiplied<const N: usize>(
+    mut product: [f64; N],
+    mut factor: [f64; N],
+    r: &[f64; N],
+    count: u32,
+) -> ([f64; N], [f64; N]) {
+    for _ in 0..count {
+        for lane in 0..N {
+            product[lane] *= factor[lane];
+            factor[lane] += r[lane];
+        }
+    }
+    (product, factor)
+}
+
+/// Takes the binary exponents out of products above zero.
+fn split_exponents<const N: usize>(mantissa: &mut [f64; N], exponent: &mut [i64; N]) {
+    for lane in 0..N {
+        let bits = mantissa[lane].to_bits();
+        exponent[lane] += (bits >> 52) as i64 - 1023;
+        mantissa[lane] = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000);
+    }
 }
 
 #[cfg(test)]

@@ -197,12 +197,6 @@ impl Surface {
         self.posterior.likelihood.ln_likelihood(threshold, width, lapse, guess, eta)
     }
 
-    /// The middle of the levels and half their range: a start that does not depend on another fit.
-    pub(super) fn plain_start(&self) -> Vec<f64> {
-        let [low, high] = self.data.range;
-        vec![0.5 * (low + high), (0.5 * (high - low)).ln(), 0.02, 0.05, 0.05]
-    }
-
     /// The top above a start.
     pub(super) fn climb(&self, start: &[f64]) -> (Vec<f64>, f64) {
         maximise(|x| self.value(x), start, &self.bounds, &self.scales)
