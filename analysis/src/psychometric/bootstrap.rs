@@ -46,6 +46,8 @@ pub struct Bootstrap {
     pub config: BootstrapConfig,
     /// How functions were fitted.
     pub fit: PsychometricConfig,
+    /// The data, ascending in level.
+    pub counts: Vec<Count>,
 }
 
 impl Bootstrap {
@@ -97,5 +99,5 @@ pub fn bootstrap(
             Ok(function_at(&again, &again.climb(&top).0))
         })
         .collect::<Result<Vec<_>, PsychometricError>>()?;
-    Ok(Bootstrap { estimate, samples, config: *config, fit: *fit })
+    Ok(Bootstrap { estimate, samples, config: *config, fit: *fit, counts: surface.data.counts })
 }

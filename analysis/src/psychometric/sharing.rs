@@ -62,6 +62,10 @@ pub struct Comparison {
     /// The probability of a deviance at least as large if they are shared, by χ² with `df` degrees of freedom. A rate whose
     /// estimate is zero makes it too large (Self and Liang 1987).
     pub p: f64,
+    /// How functions were fitted.
+    pub config: PsychometricConfig,
+    /// The data of each set, ascending in level.
+    pub counts: Vec<Vec<Count>>,
 }
 
 /// Tests whether data sets share the `tested` parameters, beside the `common` ones that they share under both hypotheses.
@@ -96,7 +100,8 @@ pub fn compare(
     let deviance = (2.0 * (apart.ln_likelihood - together.ln_likelihood)).max(0.0);
     let df = apart.parameters - together.parameters;
     let p = if df == 0 { 1.0 } else { ChiSquared::new(df as f64).map_or(1.0, |chi| chi.sf(deviance)) };
-    Ok(Comparison { together, apart, deviance, df, p })
+    let counts = surfaces.into_iter().map(|surface| surface.data.counts).collect();
+    Ok(Comparison { together, apart, deviance, df, p, config: *config, counts })
 }
 
 impl Hypothesis {
