@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct DeviationConfig {
     /// Radius of the region around the target whose share of samples is counted, degrees. The default, 2°, is our
-    /// choice: about the rod-free fovea and the usual size of a fixation gate.
+    /// choice: the fixation gate of the studies that ship.
     pub region_deg: f64,
 }
 

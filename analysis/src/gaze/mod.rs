@@ -29,15 +29,15 @@ pub use trace::{Target, TargetPlace, TrialId, TrialTrace};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GazeError {
     /// A time is not a number.
-    #[error("sample {row} (from 0): its time is not a finite number")]
+    #[error("row {row} (from 0): its time is not a finite number")]
     TimeNotFinite {
-        /// The sample's place in the data, from 0.
+        /// The sample's, frame's or target place's number in the data, from 0.
         row: usize,
     },
     /// Samples are not in order of time.
-    #[error("sample {row} (from 0) at {t_s} s comes after one at {before_s} s; sort the samples by time first")]
+    #[error("row {row} (from 0) at {t_s} s comes after one at {before_s} s; sort the rows by time first")]
     TimeGoesBack {
-        /// The sample's place in the data, from 0.
+        /// The sample's, frame's or target place's number in the data, from 0.
         row: usize,
         /// Its time, seconds.
         t_s: f64,
@@ -61,6 +61,12 @@ pub enum GazeError {
         expected: &'static str,
         /// What was there.
         found: f64,
+    },
+    /// Two traces of one trial: what is flagged would not be clear.
+    #[error("{trial} is there more than once")]
+    RepeatedTrial {
+        /// Which trial.
+        trial: String,
     },
     /// Something is wrong with one trial.
     #[error("{trial}: {error}")]

@@ -351,7 +351,7 @@ impl Gaps {
 }
 
 /// Gaps between the times at which the eye was seen and the window's ends.
-fn gaps(seen_s: impl Iterator<Item = f64>, [from_s, to_s]: [f64; 2], interval_s: f64, over_s: f64) -> Gaps {
+pub(crate) fn gaps(seen_s: impl Iterator<Item = f64>, [from_s, to_s]: [f64; 2], interval_s: f64, over_s: f64) -> Gaps {
     let mut gaps = Gaps::none();
     let (mut before_s, mut lost_s) = (from_s, 0.0);
     for t_s in seen_s.chain([to_s]) {

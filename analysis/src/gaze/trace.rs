@@ -76,6 +76,7 @@ impl TrialTrace {
     pub(crate) fn check(&self) -> Result<(), GazeError> {
         let named = |error: GazeError| GazeError::Trial { trial: self.id.to_string(), error: Box::new(error) };
         check_times(self.samples.iter().map(|s| s.t_s)).map_err(named)?;
+        check_times(self.frames.iter().map(|frame| frame.presented_s)).map_err(named)?;
         let mut last_s = f64::NEG_INFINITY;
         for &[from_s, to_s] in &self.stimulus_s {
             if !(from_s.is_finite() && to_s.is_finite() && from_s < to_s && last_s <= from_s) {

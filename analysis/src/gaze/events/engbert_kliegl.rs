@@ -146,6 +146,6 @@ fn spread(values: &mut [f64], wanted: NoiseScale) -> Option<(f64, NoiseScale)> {
     };
     let scales = [NoiseScale::MedianOfSquares, NoiseScale::MedianDeviation, NoiseScale::StandardDeviation];
     let first = scales.iter().position(|scale| *scale == wanted).unwrap_or(0);
-    let found = scales[first..].iter().map(|&scale| (variance_by(scale).max(0.0).sqrt(), scale));
-    Some(found.into_iter().find(|(sd, _)| *sd > NO_SPREAD_DEG_S).unwrap_or((0.0, NoiseScale::StandardDeviation)))
+    let mut spreads = scales[first..].iter().map(|&scale| (variance_by(scale).max(0.0).sqrt(), scale));
+    Some(spreads.find(|(sd, _)| *sd > NO_SPREAD_DEG_S).unwrap_or((0.0, NoiseScale::StandardDeviation)))
 }
