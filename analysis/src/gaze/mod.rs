@@ -21,7 +21,7 @@ pub mod quality;
 pub mod trace;
 pub mod validation;
 
-use order::{finite, quantile_in_place};
+use order::{intervals_s, quantile_in_place};
 use serde::{Deserialize, Serialize};
 pub use trace::{Target, TargetPlace, TrialId, TrialTrace};
 
@@ -146,14 +146,18 @@ pub struct GazeSummary {
 
 /// Summarise samples in order of time.
 ///
-/// Invalid samples, and samples whose deviation is not finite, count as lost and enter no angle.
+/// Invalid samples, and samples whose deviation is no angle from 0° to 180°, count as lost and enter no angle.
 #[must_use]
 pub fn summarise(samples: &[GazeSample]) -> GazeSummary {
-    let mut deviations = finite(samples.iter().filter(|s| s.valid).map(|s| s.deviation_deg));
+    let mut deviations: Vec<f64> = samples
+        .iter()
+        .filter(|s| s.valid && (0.0..=180.0).contains(&s.deviation_deg))
+        .map(|s| s.deviation_deg)
+        .collect();
     let n = deviations.len() as f64;
     let some = !deviations.is_empty();
     let valid_share = (!samples.is_empty()).then(|| n / samples.len() as f64);
-    let mut intervals = finite(samples.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(|dt| *dt > 0.0));
+    let mut intervals = intervals_s(samples);
     GazeSummary {
         samples: samples.len(),
         valid_share,

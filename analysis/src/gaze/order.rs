@@ -1,4 +1,15 @@
-//! Quantiles without sorting, so that an hour of samples costs time in proportion to its length.
+//! Quantiles without sorting, so that an hour of samples costs time in proportion to its length; intervals of time.
+
+use super::GazeSample;
+
+/// Times closer than this are the same time, seconds: no tracker samples so often.
+pub(crate) const SAME_TIME_S: f64 = 1e-9;
+
+/// Times from each sample to the next, seconds, without those that do not advance.
+pub(crate) fn intervals_s(samples: &[GazeSample]) -> Vec<f64> {
+    let advances = |dt: &f64| dt.is_finite() && *dt > SAME_TIME_S;
+    samples.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(advances).collect()
+}
 
 /// The finite values.
 pub(crate) fn finite(values: impl IntoIterator<Item = f64>) -> Vec<f64> {

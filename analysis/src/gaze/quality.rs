@@ -5,7 +5,7 @@
 //! is that of the eye and not of the tracker. Where the gaze was relative to a moving target is [`super::deviation`]'s.
 
 use super::direction::{Direction, Plane, angle_deg, direction_from_deg, mean_direction};
-use super::order::{finite, median_in_place};
+use super::order::{SAME_TIME_S, intervals_s, median_in_place};
 use super::trace::{check_times, within};
 use super::{GazeError, GazeSample, Target, TrialId, TrialTrace, setting};
 use serde::{Deserialize, Serialize};
@@ -125,7 +125,7 @@ pub struct Rate {
     pub effective_hz: Option<f64>,
     /// Standard deviation (÷ n) of the intervals that are no more than 1.5 median ones: the jitter, seconds.
     pub interval_sd_s: Option<f64>,
-    /// Samples with the same time as the one before.
+    /// Samples with the same time as the one before, to a nanosecond.
     pub repeated_times: usize,
 }
 
@@ -184,7 +184,7 @@ pub fn data_quality(samples: &[GazeSample], config: &QualityConfig) -> Result<Da
     // One pass for what needs directions, in the order of the samples.
     let directions: Vec<Option<Direction>> = samples.iter().map(direction_of).collect();
     let valid: Vec<Direction> = directions.iter().copied().flatten().collect();
-    let mut intervals = finite(samples.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(|dt| *dt > 0.0));
+    let mut intervals = intervals_s(samples);
     let interval_s = median_in_place(&mut intervals);
     let window_s = config.window_s.or_else(|| {
         let (first, last) = (samples.first()?, samples.last()?);
@@ -199,7 +199,9 @@ pub fn data_quality(samples: &[GazeSample], config: &QualityConfig) -> Result<Da
         samples: samples.len(),
         valid: valid.len(),
         duration_s,
-        accuracy: mean.zip(config.target_deg.and_then(direction_from_deg)).map(|(m, target)| accuracy(&valid, m, target)),
+        accuracy: mean
+            .zip(config.target_deg.and_then(direction_from_deg))
+            .map(|(m, target)| accuracy(&valid, m, target)),
         precision: mean.and_then(|mean| precision(samples, &directions, mean, interval_s)),
         loss: Loss {
             invalid_share: (!samples.is_empty()).then(|| 1.0 - valid.len() as f64 / samples.len() as f64),
@@ -209,7 +211,7 @@ pub fn data_quality(samples: &[GazeSample], config: &QualityConfig) -> Result<Da
             from_median_hz: interval_s.map(f64::recip),
             effective_hz: (duration_s > 0.0).then(|| valid.len() as f64 / duration_s),
             interval_sd_s: interval_s.and_then(|median_s| jitter_s(&intervals, median_s)),
-            repeated_times: samples.windows(2).filter(|pair| pair[1].t_s <= pair[0].t_s).count(),
+            repeated_times: samples.windows(2).filter(|pair| pair[1].t_s - pair[0].t_s <= SAME_TIME_S).count(),
         },
         gaps: window_s.map_or_else(Gaps::none, |window_s| {
             let seen = samples.iter().zip(&directions).filter(|(_, d)| d.is_some()).map(|(sample, _)| sample.t_s);
@@ -331,8 +333,7 @@ fn bcea([xx, yy, xy]: [f64; 3]) -> Bcea {
         area_68_deg2: area(ONE_SD_SHARE),
         area_95_deg2: area(0.95),
         correlation: (xx > 0.0 && yy > 0.0).then(|| (xy / (xx.sqrt() * yy.sqrt())).clamp(-1.0, 1.0)),
-        orientation_deg: (half_difference > 1e-12 * half_sum)
-            .then(|| (0.5 * (2.0 * xy).atan2(xx - yy)).to_degrees()),
+        orientation_deg: (half_difference > 1e-12 * half_sum).then(|| (0.5 * (2.0 * xy).atan2(xx - yy)).to_degrees()),
         half_axes_68_deg: [half_axis(half_sum + half_difference), half_axis(half_sum - half_difference)],
     }
 }

@@ -63,14 +63,10 @@ pub fn exclude<T>(trials: Vec<T>, id: impl Fn(&T) -> TrialId, flags: &FlagReport
     let excluded: Vec<FlaggedTrial> = flags.flagged.iter().filter(|trial| out.contains(&trial.id)).cloned().collect();
     let left_out = before - kept.len();
     let share = if before > 0 { 100.0 * left_out as f64 / before as f64 } else { 0.0 };
-    let unknown = if never_judged > 0 {
-        format!(" {never_judged} were kept without having been judged.")
-    } else {
-        String::new()
-    };
+    let unknown =
+        if never_judged > 0 { format!(" {never_judged} were kept without having been judged.") } else { String::new() };
     let words = format!("{left_out} of {before} trials ({share:.1} %) were left out.{unknown}");
-    let exclusion =
-        Exclusion { rule: flags.rule, before, kept: kept.len(), excluded, never_judged, conditions, words };
+    let exclusion = Exclusion { rule: flags.rule, before, kept: kept.len(), excluded, never_judged, conditions, words };
     (kept, exclusion)
 }
 

@@ -247,11 +247,9 @@ pub fn flag_trials(traces: &[TrialTrace], rule: &FlagRule) -> Result<FlagReport,
                 Some(_) => {}
                 None => match not_judged.iter_mut().find(|other| other.criterion == criterion) {
                     Some(other) => other.trials.push(trial.id.clone()),
-                    None => not_judged.push(NotJudged {
-                        criterion,
-                        trials: vec![trial.id.clone()],
-                        words: String::new(),
-                    }),
+                    None => {
+                        not_judged.push(NotJudged { criterion, trials: vec![trial.id.clone()], words: String::new() });
+                    }
                 },
             }
         }

@@ -4,7 +4,7 @@
 
 use super::{Frame, TimingSummary, summarise};
 use crate::gaze::deviation::deviations_deg;
-use crate::gaze::order::{finite, median_in_place, quantile_in_place};
+use crate::gaze::order::{finite, intervals_s, median_in_place, quantile_in_place};
 use crate::gaze::quality::{direction_of, gaps};
 use crate::gaze::{GazeError, TrialId, TrialTrace};
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,8 @@ pub fn measure_trials(traces: &[TrialTrace], region_deg: f64) -> Result<Vec<Tria
 
 fn measure(trace: &TrialTrace, tracked: bool, region_deg: f64) -> Result<TrialTiming, GazeError> {
     let mut deviations = deviations_deg(trace)?;
-    let windows: Vec<&[Frame]> = trace.stimulus_s.iter().map(|&window_s| frames_within(&trace.frames, window_s)).collect();
+    let windows: Vec<&[Frame]> =
+        trace.stimulus_s.iter().map(|&window_s| frames_within(&trace.frames, window_s)).collect();
     let shown = || windows.iter().copied().flatten();
     let mut ages = finite(shown().filter_map(|frame| frame.gaze_age_s));
     let outside = deviations.iter().filter(|deviation| **deviation > region_deg).count();
@@ -81,9 +82,7 @@ fn measure(trace: &TrialTrace, tracked: bool, region_deg: f64) -> Result<TrialTi
 
 /// Share of the stimulus time without a valid sample; an interval between samples is no loss.
 fn lost_share(trace: &TrialTrace) -> Option<f64> {
-    let mut intervals =
-        finite(trace.samples.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(|interval| *interval > 0.0));
-    let interval_s = median_in_place(&mut intervals).unwrap_or(0.0);
+    let interval_s = median_in_place(&mut intervals_s(&trace.samples)).unwrap_or(0.0);
     let lost_s: f64 = trace
         .windows()
         .map(|(window_s, samples)| {

@@ -44,7 +44,8 @@ fn overlapping(left: &[Saccade], right: &[Saccade]) -> Vec<BinocularSaccade> {
     };
     while l < left.len() || r < right.len() {
         let (mut best_left, mut best_right) = (None, None);
-        let onset_s = [left.get(l), right.get(r)].into_iter().flatten().map(|s| s.onset_s).fold(f64::INFINITY, f64::min);
+        let onset_s =
+            [left.get(l), right.get(r)].into_iter().flatten().map(|s| s.onset_s).fold(f64::INFINITY, f64::min);
         let mut until_s = onset_s;
         // Take in whatever begins before what has been taken in ends.
         loop {

@@ -88,7 +88,8 @@ pub struct Saccade {
     pub offset_s: f64,
     /// From onset to offset; zero for one sample.
     pub duration_s: f64,
-    /// True angle from the last sample before the onset to the first one after the offset.
+    /// True angle from the last sample before the onset to the first one after the offset. What a movement covers
+    /// below the threshold is not in it: at 30°/s a saccade of half a degree comes out a sixth too small.
     pub amplitude_deg: f64,
     /// The largest extent of the samples from onset to offset, `hypot` of right and up: Engbert & Kliegl's amplitude,
     /// which an overshoot does not shorten.
@@ -143,7 +144,7 @@ pub struct Events {
     pub rate_hz: Option<f64>,
     /// The longest time between valid samples that was bridged at all: the configured one, or more at low rates, seconds.
     pub bridged_up_to_s: f64,
-    /// Valid samples that were passed over because the one before has the same time.
+    /// Valid samples that were passed over because the one before has the same time, to a nanosecond.
     pub repeated_times: usize,
     /// The noise that Engbert & Kliegl's thresholds come from.
     pub noise: Option<VelocityNoise>,

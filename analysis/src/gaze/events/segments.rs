@@ -3,7 +3,7 @@
 use super::GazeError;
 use crate::gaze::GazeSample;
 use crate::gaze::direction::Direction;
-use crate::gaze::order::median_in_place;
+use crate::gaze::order::{SAME_TIME_S, intervals_s, median_in_place};
 use crate::gaze::quality::{BROKEN_AFTER_INTERVALS, direction_of};
 use crate::gaze::trace::check_times;
 use std::ops::Range;
@@ -24,8 +24,7 @@ pub(super) struct Track {
 impl Track {
     pub(super) fn new(samples: &[GazeSample], max_gap_s: f64) -> Result<Self, GazeError> {
         check_times(samples.iter().map(|sample| sample.t_s))?;
-        let mut intervals: Vec<f64> =
-            samples.windows(2).map(|pair| pair[1].t_s - pair[0].t_s).filter(|dt| *dt > 0.0).collect();
+        let mut intervals = intervals_s(samples);
         let interval_s = median_in_place(&mut intervals);
         let bridged_up_to_s = max_gap_s.max(interval_s.map_or(0.0, |s| BROKEN_AFTER_INTERVALS * s));
         let mut track = Self {
@@ -41,7 +40,7 @@ impl Track {
             let Some(direction) = direction_of(sample) else { continue };
             let at = track.t_s.len();
             match track.t_s.last() {
-                Some(&before_s) if sample.t_s <= before_s => {
+                Some(&before_s) if sample.t_s - before_s <= SAME_TIME_S => {
                     track.repeated_times += 1;
                     continue;
                 }

@@ -36,8 +36,7 @@ pub(super) fn velocities_deg_s(track: &Track, segment: &Range<usize>, out: &mut 
     let (t, d) = (&track.t_s, &track.direction);
     for i in segment.start + 2..segment.end.saturating_sub(2) {
         let time_s = t[i + 2] + t[i + 1] - t[i - 1] - t[i - 2];
-        let difference =
-            std::array::from_fn(|axis| d[i + 2][axis] + d[i + 1][axis] - d[i - 1][axis] - d[i - 2][axis]);
+        let difference = std::array::from_fn(|axis| d[i + 2][axis] + d[i + 1][axis] - d[i - 1][axis] - d[i - 2][axis]);
         out[i] = Plane::new(d[i]).projected_deg(difference).map(|x| x / time_s);
     }
 }
