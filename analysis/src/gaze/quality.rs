@@ -4,7 +4,7 @@
 //! window in which the eye was asked to rest on one place, as in a validation; over a window with saccades the spread
 //! is that of the eye and not of the tracker. Where the gaze was relative to a moving target is [`super::deviation`]'s.
 
-use super::direction::{Direction, Plane, angle_deg, direction_from_deg, mean_direction};
+use super::direction::{Direction, Plane, angle_deg, direction_from_deg, mean_direction, squared_angle_deg2};
 use super::order::{SAME_TIME_S, intervals_s, median_in_place};
 use super::trace::{check_times, within};
 use super::{GazeError, GazeSample, Target, TrialId, TrialTrace, setting};
@@ -183,7 +183,7 @@ pub fn data_quality(samples: &[GazeSample], config: &QualityConfig) -> Result<Da
 
     // One pass for what needs directions, in the order of the samples.
     let directions: Vec<Option<Direction>> = samples.iter().map(direction_of).collect();
-    let valid: Vec<Direction> = directions.iter().copied().flatten().collect();
+    let valid = directions.iter().flatten().count();
     let mut intervals = intervals_s(samples);
     let interval_s = median_in_place(&mut intervals);
     let window_s = config.window_s.or_else(|| {
@@ -192,24 +192,24 @@ pub fn data_quality(samples: &[GazeSample], config: &QualityConfig) -> Result<Da
     });
     let duration_s = window_s.map_or(0.0, |[from_s, to_s]| to_s - from_s);
     let promised = config.nominal_rate_hz.map(|rate| rate * duration_s).filter(|n| *n > 0.0);
-    let mean = mean_direction(valid.iter().copied());
+    let mean = mean_direction(directions.iter().copied().flatten());
 
     Ok(DataQuality {
         config: *config,
         samples: samples.len(),
-        valid: valid.len(),
+        valid,
         duration_s,
         accuracy: mean
             .zip(config.target_deg.and_then(direction_from_deg))
-            .map(|(m, target)| accuracy(&valid, m, target)),
+            .map(|(m, target)| accuracy(&directions, m, target)),
         precision: mean.and_then(|mean| precision(samples, &directions, mean, interval_s)),
         loss: Loss {
-            invalid_share: (!samples.is_empty()).then(|| 1.0 - valid.len() as f64 / samples.len() as f64),
-            missing_of_expected_share: promised.map(|promised| 1.0 - valid.len() as f64 / promised),
+            invalid_share: (!samples.is_empty()).then(|| 1.0 - valid as f64 / samples.len() as f64),
+            missing_of_expected_share: promised.map(|promised| 1.0 - valid as f64 / promised),
         },
         rate: Rate {
             from_median_hz: interval_s.map(f64::recip),
-            effective_hz: (duration_s > 0.0).then(|| valid.len() as f64 / duration_s),
+            effective_hz: (duration_s > 0.0).then(|| valid as f64 / duration_s),
             interval_sd_s: interval_s.and_then(|median_s| jitter_s(&intervals, median_s)),
             repeated_times: samples.windows(2).filter(|pair| pair[1].t_s - pair[0].t_s <= SAME_TIME_S).count(),
         },
@@ -277,8 +277,8 @@ pub(crate) fn direction_of(sample: &GazeSample) -> Option<Direction> {
     if sample.valid { direction_from_deg(sample.position_deg) } else { None }
 }
 
-fn accuracy(valid: &[Direction], mean: Direction, target: Direction) -> Accuracy {
-    let mut offsets: Vec<f64> = valid.iter().map(|&direction| angle_deg(direction, target)).collect();
+fn accuracy(directions: &[Option<Direction>], mean: Direction, target: Direction) -> Accuracy {
+    let mut offsets: Vec<f64> = directions.iter().flatten().map(|&direction| angle_deg(direction, target)).collect();
     Accuracy {
         offset_of_mean_deg: angle_deg(mean, target),
         bias_deg: Plane::new(target).step_deg(mean),
@@ -294,14 +294,21 @@ fn precision(
     interval_s: Option<f64>,
 ) -> Option<Precision> {
     let plane = Plane::new(mean);
-    let places: Vec<[f64; 2]> = directions.iter().flatten().map(|&direction| plane.step_deg(direction)).collect();
-    if places.len() < 2 {
+    // Moments about the mean direction, which is next to the mean place: nothing is lost by correcting afterwards.
+    let (mut count, mut sums, mut squared, mut product) = (0u64, [0.0; 2], [0.0; 2], 0.0);
+    for &direction in directions.iter().flatten() {
+        let [right, up] = plane.step_deg(direction);
+        count += 1;
+        sums = [sums[0] + right, sums[1] + up];
+        squared = [squared[0] + right * right, squared[1] + up * up];
+        product += right * up;
+    }
+    if count < 2 {
         return None;
     }
-    let n = places.len() as f64;
-    let centre = [0, 1].map(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / n);
-    let product = |a: usize, b: usize| places.iter().map(|p| (p[a] - centre[a]) * (p[b] - centre[b])).sum::<f64>();
-    let [xx, yy, xy] = [product(0, 0), product(1, 1), product(0, 1)];
+    let n = count as f64;
+    let [xx, yy] = [0, 1].map(|axis| (squared[axis] - sums[axis] * sums[axis] / n).max(0.0));
+    let xy = product - sums[0] * sums[1] / n;
 
     let longest_s = interval_s.map_or(f64::INFINITY, |s| BROKEN_AFTER_INTERVALS * s);
     let (mut squares, mut pairs) = (0.0, 0u64);
@@ -309,7 +316,7 @@ fn precision(
         if let [Some(a), Some(b)] = *pair
             && times[1].t_s - times[0].t_s <= longest_s
         {
-            squares += angle_deg(a, b).powi(2);
+            squares += squared_angle_deg2(a, b);
             pairs += 1;
         }
     }

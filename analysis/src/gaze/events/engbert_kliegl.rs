@@ -70,12 +70,11 @@ impl EngbertKliegl {
         }
         let Some(noise) = self.noise(&velocities) else { return (Found::default(), None) };
         // A sample without velocity is within any ellipse; an axis that never moves takes no part.
+        let per_threshold =
+            noise.threshold_deg_s.map(|threshold| if threshold > 0.0 { threshold.recip() } else { 0.0 });
         let outside = |i: usize| {
-            let share = |axis: usize| {
-                let threshold = noise.threshold_deg_s[axis];
-                if threshold > 0.0 { (velocities[i][axis] / threshold).powi(2) } else { 0.0 }
-            };
-            share(0) + share(1) > 1.0
+            let [right, up] = [0, 1].map(|axis| velocities[i][axis] * per_threshold[axis]);
+            right * right + up * up > 1.0
         };
         let speed = |i: usize| velocities[i][0].hypot(velocities[i][1]);
 

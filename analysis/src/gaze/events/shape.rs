@@ -2,7 +2,7 @@
 
 use super::segments::Track;
 use super::{Fixation, Saccade};
-use crate::gaze::direction::{Plane, angle_deg, deg_from_direction, mean_direction};
+use crate::gaze::direction::{Plane, angle_deg, deg_from_direction, mean_direction, squared_angle_deg2};
 use std::ops::Range;
 
 /// A run of fast samples, measured. `speed_deg_s` tells the velocity of a sample.
@@ -42,7 +42,7 @@ pub(super) fn fixation(track: &Track, segment: &Range<usize>, run: &Range<usize>
     let centroid = mean_direction(track.direction[run.clone()].iter().copied())?;
     let plane = Plane::new(centroid);
     let [right, up] = extent_deg(track, run, &plane);
-    let squares: f64 = track.direction[run.clone()].iter().map(|&d| angle_deg(centroid, d).powi(2)).sum();
+    let squares: f64 = track.direction[run.clone()].iter().map(|&d| squared_angle_deg2(centroid, d)).sum();
     Some(Fixation {
         onset_s: track.t_s[run.start],
         offset_s: track.t_s[run.end - 1],

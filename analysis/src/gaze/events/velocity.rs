@@ -1,7 +1,7 @@
 //! Angular velocity at each sample of a segment, from the samples' own times.
 
 use super::segments::Track;
-use crate::gaze::direction::{Plane, angle_deg};
+use crate::gaze::direction::{angle_deg, projected_deg};
 use std::ops::Range;
 
 /// Speeds, deg/s, over a window of half-length `half_s` around each sample of a segment, or over its two neighbours
@@ -37,6 +37,6 @@ pub(super) fn velocities_deg_s(track: &Track, segment: &Range<usize>, out: &mut 
     for i in segment.start + 2..segment.end.saturating_sub(2) {
         let time_s = t[i + 2] + t[i + 1] - t[i - 1] - t[i - 2];
         let difference = std::array::from_fn(|axis| d[i + 2][axis] + d[i + 1][axis] - d[i - 1][axis] - d[i - 2][axis]);
-        out[i] = Plane::new(d[i]).projected_deg(difference).map(|x| x / time_s);
+        out[i] = projected_deg(d[i], difference).map(|x| x / time_s);
     }
 }
