@@ -204,7 +204,7 @@ pub fn data_quality(samples: &[GazeSample], config: &QualityConfig) -> Result<Da
             .map(|(m, target)| accuracy(&directions, m, target)),
         precision: mean.and_then(|mean| precision(samples, &directions, mean, interval_s)),
         loss: Loss {
-            invalid_share: (!samples.is_empty()).then(|| 1.0 - valid as f64 / samples.len() as f64),
+            invalid_share: (!samples.is_empty()).then(|| (samples.len() - valid) as f64 / samples.len() as f64),
             missing_of_expected_share: promised.map(|promised| 1.0 - valid as f64 / promised),
         },
         rate: Rate {
