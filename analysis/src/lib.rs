@@ -8,7 +8,7 @@
 //! - [`psychometric`] fits one function on one variable, and [`answers`] sums up the answers of every protocol, block by
 //!   block: shares, matches, ratings, tasks;
 //! - [`shares`] are proportions with their intervals;
-//! - [`gaze`] and [`timing`] summarise where the eyes were and how the frames ran;
+//! - [`gaze`] and [`timing`] measure where the eyes were and how the frames ran, and flag trials by a stated rule;
 //! - [`summary`] is the JSON document of `parafovea analyze --json`;
 //! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
 

@@ -2,6 +2,7 @@
 //!
 //! It measures and judges nothing; the limits that the project has set itself are named beside each benchmark.
 
+mod gaze;
 mod psychometric;
 mod quest_plus;
 
@@ -14,6 +15,7 @@ fn main() {
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(4))
         .configure_from_args();
+    gaze::bench(&mut criterion);
     psychometric::bench(&mut criterion);
     quest_plus::bench(&mut criterion);
     criterion.final_summary();
