@@ -6,13 +6,14 @@
 //! paper prints mean and SD over all observers and speeds.
 //!
 //! What to know about pair and ramp: the result is the *coarsest accident*. Every trial at every level is one more chance of
-//! a slip, so that the mean lies below the level that goes unnoticed half of the time, by more the more trials there are; an
-//! observer who answers for ever ends at the coarsest level. [`Thresholds::expected`] gives the exact distribution for a
+//! a slip, so that the mean lies below the level that goes unnoticed half of the time (by 1.9 indices for a function 6 wide
+//! with two lapses in a hundred, in the paper's design), and by more the more trials there are: an observer who answers for
+//! ever ends at the coarsest level. [`Thresholds::expected`] gives the exact distribution for a
 //! known function, [`super::against_fit`] the bias for a fitted one. And since a resample of the trials can only lose the
 //! accident, never find a coarser one, a bootstrap over trials is no interval for one observer, and none is given.
 
 use super::first_passed::FirstPassed;
-use super::observers::merged;
+use super::observers::{finite_mean, merged};
 use super::{Bootstrap, ObserverRows, OverObservers, Published, Rule, RuleError};
 use crate::answers::Row;
 use crate::psychometric::{Count, Direction};
@@ -122,7 +123,9 @@ impl Options {
             rows.iter().filter_map(of).map(f64::to_bits).collect()
         };
         let names: BTreeSet<&str> = match test {
-            Test::Slider => rows.iter().flat_map(|row| row.found.keys()).filter_map(|k| k.strip_suffix("_settled")).collect(),
+            Test::Slider => {
+                rows.iter().flat_map(|row| row.found.keys()).filter_map(|k| k.strip_suffix("_settled")).collect()
+            }
             Test::Pair | Test::Ramp => rows.iter().flat_map(|row| row.level.keys()).map(String::as_str).collect(),
         };
         if names.contains(QUALITY_INDEX) {
@@ -320,11 +323,7 @@ pub struct MeanSd {
 ///
 /// # Errors
 /// If no trial has the parameter (and, for pair and ramp, a right or wrong answer).
-pub fn thresholds(
-    test: Test,
-    observers: &[ObserverRows<'_>],
-    options: &Options,
-) -> Result<Thresholds, RuleError> {
+pub fn thresholds(test: Test, observers: &[ObserverRows<'_>], options: &Options) -> Result<Thresholds, RuleError> {
     let found: Vec<ObserverThreshold> = merged(observers)
         .into_iter()
         .filter_map(|(observer, rows)| match test {
@@ -346,13 +345,13 @@ pub fn thresholds(
         test,
         rule: test.rule(),
         slope_of_mean: over_observers.as_ref().and_then(|over| {
-            let ci95 = over.ci95.filter(|ends| ends[0] > 0.0);
+            let of = |index| slope(&options.parameter, index);
             // A larger index is a smaller slope: the ends change places.
-            let ends = ci95.map(|[low, high]| [slope_from_quality_index(high), slope_from_quality_index(low)]);
-            Some(SlopeOfMean { m: slope(&options.parameter, over.mean)?, ci95: ends })
+            let ends = over.ci95.and_then(|[low, high]| Some([of(high)?, of(low)?]));
+            Some(SlopeOfMean { m: of(over.mean)?, ci95: ends })
         }),
         over_trials: (test == Test::Slider)
-            .then(|| Mean::new(found.iter().flat_map(|one| one.values.iter().copied())))
+            .then(|| finite_mean(found.iter().flat_map(|one| one.values.iter().copied())))
             .flatten()
             .map(|mean| MeanSd { n: mean.n, mean: mean.mean, sd: mean.sd }),
         histogram: histogram(&found),
@@ -368,7 +367,7 @@ pub fn thresholds(
 
 /// m of a quality index above zero.
 fn slope(parameter: &str, level: f64) -> Option<f64> {
-    (parameter == QUALITY_INDEX && level > 0.0).then(|| slope_from_quality_index(level))
+    (parameter == QUALITY_INDEX && level > 0.0).then(|| slope_from_quality_index(level)).filter(|m| m.is_finite())
 }
 
 fn detected(observer: &str, rows: &[&Row], options: &Options) -> Option<ObserverThreshold> {
@@ -404,14 +403,14 @@ fn slider(observer: &str, rows: &[&Row], options: &Options) -> Option<ObserverTh
         .filter_map(|row| row.found.get(&options.parameter).copied())
         .filter(|value| value.is_finite())
         .collect();
-    let over_trials = Mean::new(values.iter().copied())?;
+    let over_trials = finite_mean(values.iter().copied())?;
     Some(ObserverThreshold {
         observer: observer.to_owned(),
         threshold: Some(over_trials.mean),
         slope: slope(&options.parameter, over_trials.mean),
         place: None,
         tally: Vec::new(),
-        no_interval: over_trials.ci95.is_none().then(|| "one trial says nothing about the spread over trials".to_owned()),
+        no_interval: over_trials.ci95.is_none().then(|| "one trial has no spread over trials".to_owned()),
         over_trials: Some(over_trials),
         values,
     })
@@ -424,8 +423,11 @@ fn histogram(observers: &[ObserverThreshold]) -> Vec<Bin> {
     } else {
         observers.iter().filter_map(|one| one.threshold).collect()
     };
-    let mut levels: Vec<f64> =
-        observers.iter().flat_map(|one| one.tally.iter().map(|level| level.level)).chain(thresholds.iter().copied()).collect();
+    let mut levels: Vec<f64> = observers
+        .iter()
+        .flat_map(|one| one.tally.iter().map(|level| level.level))
+        .chain(thresholds.iter().copied())
+        .collect();
     levels.sort_by(f64::total_cmp);
     // A slider does not say which levels it has: between whole numbers, all of them.
     if let (true, Some(&low), Some(&high)) = (is_slider, levels.first(), levels.last())

