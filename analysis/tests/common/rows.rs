@@ -64,3 +64,24 @@ pub fn observers<'a>(names: &'a [String], rows: &'a [Vec<Row>]) -> Vec<ObserverR
 pub fn names(n: usize) -> Vec<String> {
     (1..=n).map(|i| format!("P{i:02}")).collect()
 }
+
+pub fn near(a: f64, b: f64, error: f64) {
+    assert!((a - b).abs() <= error, "{a} against {b}");
+}
+
+/// Both orders at j = 8 … 22, noticed below `fooled` and called the same from there on.
+pub fn clean_pair(fooled: f64) -> Vec<Row> {
+    (8..=22).flat_map(|j| [f64::from(j); 2]).map(|j| pair(j, (j < fooled).then_some(true))).collect()
+}
+
+/// One observer's 2AFC trials on one patch: (r, k, right answers of 10).
+pub fn patch(name: &str, pairs: &[(f64, f64, usize)]) -> Vec<Row> {
+    pairs
+        .iter()
+        .flat_map(|&(r, k, right)| (0..10).map(move |i| (r, k, i < right)))
+        .map(|(r, k, right)| {
+            let row = with_level(row(Answer::First, Some(right)), &[("radius_deg", r), ("rate", k)]);
+            with_factors(row, &[("patch", name)])
+        })
+        .collect()
+}
