@@ -7,6 +7,7 @@
 //! - [`mar`] fits `omega = m e + omega0` and a threshold for every eccentricity;
 //! - [`psychometric`] fits one function on one variable, and [`answers`] sums up the answers of every protocol, block by
 //!   block: shares, matches, ratings, tasks;
+//! - [`rules`] are the four papers' own ways to a result, beside what they published;
 //! - [`shares`] are proportions with their intervals;
 //! - [`gaze`] and [`timing`] measure where the eyes were and how the frames ran, and flag trials by a stated rule;
 //! - [`summary`] is the JSON document of `parafovea analyze --json`;
@@ -21,6 +22,7 @@ mod numerics;
 pub mod power;
 pub mod psychometric;
 pub mod report;
+pub mod rules;
 pub mod shares;
 pub mod summary;
 mod svg;

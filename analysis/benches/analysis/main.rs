@@ -5,6 +5,7 @@
 mod gaze;
 mod psychometric;
 mod quest_plus;
+mod rules;
 
 use criterion::Criterion;
 use std::time::Duration;
@@ -18,5 +19,6 @@ fn main() {
     gaze::bench(&mut criterion);
     psychometric::bench(&mut criterion);
     quest_plus::bench(&mut criterion);
+    rules::bench(&mut criterion);
     criterion.final_summary();
 }
