@@ -44,7 +44,7 @@ fn the_pair_rule_takes_the_lowest_index_that_was_once_equal_or_better() {
     // m = 0.33/j: j = 15 is the paper's target B, m = 0.0220.
     near(found.observers[0].slope.unwrap(), 0.0220, 1e-12);
     let over = found.over_observers.unwrap();
-    // 15, 10, 8, 16: mean 12.25, SD √(46.75/3 …) by hand: squares 7.5625 + 5.0625 + 18.0625 + 14.0625 = 44.75.
+    // 15, 10, 8, 16: mean 12.25; squared deviations 7.5625 + 5.0625 + 18.0625 + 14.0625 = 44.75.
     assert_eq!((over.n, over.mean), (4, 12.25));
     near(over.sd.unwrap(), (44.75f64 / 3.0).sqrt(), 1e-12);
     let slope = found.slope_of_mean.unwrap();

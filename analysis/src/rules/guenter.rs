@@ -9,7 +9,7 @@
 //! a slip, so that the mean lies below the level that goes unnoticed half of the time (by 1.9 indices for a function 6 wide
 //! with two lapses in a hundred, in the paper's design), and by more the more trials there are: an observer who answers for
 //! ever ends at the coarsest level. [`Thresholds::expected`] gives the exact distribution for a
-//! known function, [`super::against_fit`] the bias for a fitted one. And since a resample of the trials can only lose the
+//! known function, [`super::against_fit()`] the bias for a fitted one. And since a resample of the trials can only lose the
 //! accident, never find a coarser one, a bootstrap over trials is no interval for one observer, and none is given.
 
 mod tally;

@@ -3,7 +3,7 @@
 //! A rule is no model. It says what a paper did (the lowest index that once went unnoticed, the strongest blur below 75 %,
 //! the share of recognised pictures, the mean rating), so that a replication can be held against the paper in the paper's
 //! own measure. Several of these rules are biased, and by how much depends on the design; where the bias has a closed form it is here
-//! ([`FirstPassed`], [`against_fit`]). Functions with thresholds and intervals are fitted in [`crate::psychometric`] and
+//! ([`FirstPassed`], [`against_fit()`]). Functions with thresholds and intervals are fitted in [`crate::psychometric`] and
 //! [`crate::mar`]; tests over observers are elsewhere.
 //!
 //! - [`guenter`]: thresholds of the pair, ramp and slider tests (Guenter 2012, §5);

@@ -27,7 +27,7 @@ pub fn is_without_change(row: &Row) -> bool {
 /// The paper's threshold of a pair or ramp test in the parameter's unit: the coarsest level of the trials with a right or
 /// wrong answer that once [went unnoticed](went_unnoticed). Nothing if none did.
 ///
-/// It has no interval; see [`NO_INTERVAL`].
+/// It has no interval; see [`super::NO_INTERVAL`].
 #[must_use]
 pub fn coarsest_unnoticed<'a>(
     parameter: &str,
