@@ -1,18 +1,20 @@
 //! One self-contained HTML page that reads like a short results section.
 //!
-//! Plain data in, one string out: no file, no network, no script that runs. The page carries its figures as SVG and its
+//! Plain data in, one string out: no file, no network; the one script copies tables, and nothing depends on it. The page carries its figures as SVG and its
 //! numbers as JSON (`<script type="application/json" id="parafovea-analysis">`), and reads on light and dark screens and
 //! on paper. Text that came from outside is escaped everywhere.
 
 mod blocks;
+mod page;
 mod sections;
+
+pub use page::{Cell, Figure, Section, Table, page};
 
 use crate::answers::BlockSummary;
 use crate::figures::{GazeView, TrackPoint};
 use crate::gaze::GazeSample;
 use crate::mar::MarFit;
 use crate::summary::{Analysis, FormSummary, ObserverSummary};
-use crate::svg::escape;
 use crate::timing::Frame;
 use experiments::Display;
 use experiments::mar::MarModel;
@@ -118,15 +120,6 @@ pub fn html(input: &ReportInput) -> String {
         body.push_str(&sections::session(session, input.sessions.len() == 1));
     }
     body.push_str(&sections::software(input));
-    // `<` never appears in the data block, so no string can close it.
-    let json = serde_json::to_string(&analysis(input)).unwrap_or_else(|_| "null".to_owned()).replace('<', "\\u003c");
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"generator\" content=\"{}\">\n<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{body}\
-         </main>\n<script type=\"application/json\" id=\"parafovea-analysis\">{json}</script>\n</body>\n</html>\n",
-        escape(&input.program_version),
-        escape(&input.title),
-        include_str!("style.css"),
-    )
+    let json = serde_json::to_value(analysis(input)).unwrap_or(serde_json::Value::Null);
+    page::document(&input.title, Some(&input.program_version), &body, &json)
 }
