@@ -6,7 +6,7 @@
 mod axis;
 mod panel;
 
-pub(crate) use axis::{Axis, LARGEST};
+pub(crate) use axis::{Axis, LARGEST, ROOM, inward};
 pub(crate) use panel::{Entry, Panel, legend};
 
 use std::fmt::Write;
@@ -214,7 +214,7 @@ impl Canvas {
             }
             path.push('Z');
         }
-        self.path(&path, paint);
+        self.path(&path, "evenodd", paint);
     }
 
     /// Rectangles (corner, size) of one colour as one shape.
@@ -224,12 +224,12 @@ impl Canvas {
             let [x, y, w, h] = [*x, *y, w.max(0.0), h.max(0.0)].map(coordinate);
             let _ = write!(path, "M{x} {y}h{w}v{h}h-{w}z");
         }
-        self.path(&path, paint);
+        self.path(&path, "nonzero", paint);
     }
 
-    fn path(&mut self, path: &str, paint: &Paint<'_>) {
+    fn path(&mut self, path: &str, rule: &str, paint: &Paint<'_>) {
         if !path.is_empty() {
-            let _ = writeln!(self.body, "<path d=\"{path}\" fill-rule=\"evenodd\"{}/>", paint.attributes());
+            let _ = writeln!(self.body, "<path d=\"{path}\" fill-rule=\"{rule}\"{}/>", paint.attributes());
         }
     }
 

@@ -130,7 +130,7 @@ pub fn psychometric_functions(curves: &[PsychometricCurve], view: &PsychometricV
         let panel = Panel::new(
             multiples.corner(index),
             multiples.size,
-            x(if multiples.is_bottom(index) { &view.level_label } else { "" }),
+            x(""),
             y(if multiples.is_left(index) { &view.share_label } else { "" }),
         );
         let here = if view.small_multiples { &shown[index..=index] } else { &shown[..] };
@@ -153,6 +153,7 @@ pub fn psychometric_functions(curves: &[PsychometricCurve], view: &PsychometricV
             panel.draw_heading(&mut canvas, &here[0].name, &format!("n = {n}"));
         }
     }
+    multiples.draw_label(&mut canvas, &view.level_label);
     let mut note = left_out(bad, "level");
     if curves.len() > shown.len() {
         note = format!("{note} {} further functions are not drawn.", curves.len() - shown.len());

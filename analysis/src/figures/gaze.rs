@@ -47,9 +47,11 @@ pub fn gaze_density(samples: &[GazeSample], view: &GazeView) -> String {
     if valid.is_empty() {
         return nothing(TITLE, "there are no valid gaze samples");
     }
-    let half = view.half_field_deg.map(|v| if drawable(v) && v > 0.0 { v } else { 10.0 });
-    let gate = view.gate_deg.filter(|gate| drawable(*gate) && *gate > 0.0);
-    let fixation = view.fixation_deg.map(|v| if drawable(v) { v } else { 0.0 });
+    // Angles that no display has are not drawn against.
+    let angle = |v: &f64| (0.01..=360.0).contains(v);
+    let half = view.half_field_deg.map(|v| if angle(&v) { v } else { 10.0 });
+    let gate = view.gate_deg.filter(angle);
+    let fixation = view.fixation_deg.map(|v| if v.abs() <= 360.0 { v } else { 0.0 });
     let (left, top, width, side) = (62.0, 58.0, 316.0, 196.0);
     let tall = (width * half[1] / half[0]).clamp(120.0, 400.0);
     let reach = 2.0 * gate.unwrap_or(2.0);
@@ -205,8 +207,10 @@ fn draw_scale(canvas: &mut Canvas, [x, y]: [f64; 2], tall: f64, most: f64) {
 fn cross(canvas: &mut Canvas, [x, y]: [f64; 2]) {
     // A light edge around a dark mark is seen on every colour of the map.
     for (color, width) in [("#ffffff", 4.4), ("#000000", 1.8)] {
-        canvas.line([x - 7.0, y], [x + 7.0, y], &Paint::stroke(color, width));
-        canvas.line([x, y - 7.0], [x, y + 7.0], &Paint::stroke(color, width));
+        // The middle stays open for what lies there.
+        for [dx, dy] in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+            canvas.line([x + 5.0 * dx, y + 5.0 * dy], [x + 11.0 * dx, y + 11.0 * dy], &Paint::stroke(color, width));
+        }
     }
 }
 

@@ -86,8 +86,7 @@ pub fn threshold_histograms(groups: &[ThresholdGroup], view: &HistogramView) -> 
     let top = keys(&mut canvas, 54.0, &legend(&shown)) + 24.0;
     let multiples = Multiples::new(shown.len(), 1, top, tall, &y("Observers"));
     for (i, group) in shown.iter().enumerate() {
-        let label = if multiples.is_bottom(i) { view.label.as_str() } else { "" };
-        let x = Axis::linear(label, (first - 0.8) * bin, (last + 0.8) * bin).with_ticks(12);
+        let x = Axis::linear("", (first - 0.8) * bin, (last + 0.8) * bin).with_ticks(12);
         let panel = Panel::new(multiples.corner(i), multiples.size, x, y("Observers"));
         panel.draw_grid(&mut canvas);
         panel.draw(&mut canvas, |canvas| {
@@ -102,6 +101,7 @@ pub fn threshold_histograms(groups: &[ThresholdGroup], view: &HistogramView) -> 
         panel.draw_axes(&mut canvas, [true, true]);
         panel.draw_heading(&mut canvas, &group.name, &note(group));
     }
+    multiples.draw_label(&mut canvas, &view.label);
     let more = groups.len() - shown.len();
     let more = if more > 0 { format!("{more} further tests are not drawn.") } else { String::new() };
     let bottom = remark(&mut canvas, multiples.bottom(), &sentences(&[&left_out(bad, "threshold"), &more]));

@@ -141,11 +141,12 @@ pub fn interaction(plot: &Interaction) -> String {
             axis(if multiples.is_left(index) { &plot.label } else { "" }),
         );
         draw_panel(&mut canvas, &frame, panel, panel.lines.len().min(MOST[1]), multiples.is_left(index));
-        draw_levels(&mut canvas, &frame, plot, multiples.is_bottom(index));
+        draw_levels(&mut canvas, &frame, plot);
         if panels.len() > 1 {
             frame.draw_heading(&mut canvas, &panel.name, "");
         }
     }
+    multiples.draw_label(&mut canvas, &plot.factor);
     let more = plot.panels.len() - panels.len();
     let more = if more > 0 { format!("{more} further panels are not drawn.") } else { String::new() };
     let bottom = remark(&mut canvas, multiples.bottom(), &sentences(&[&left_out(bad, "mean"), &more]));
@@ -187,7 +188,7 @@ fn draw_panel(canvas: &mut Canvas, frame: &Panel, panel: &InteractionPanel, line
     frame.draw_frame(canvas, numbered);
 }
 
-fn draw_levels(canvas: &mut Canvas, frame: &Panel, plot: &Interaction, labelled: bool) {
+fn draw_levels(canvas: &mut Canvas, frame: &Panel, plot: &Interaction) {
     let slot = frame.size[0] / plot.levels.len().max(1) as f64;
     let bottom = frame.corner[1] + frame.size[1];
     // Where not every name has room, every second (third, …) is written.
@@ -200,10 +201,6 @@ fn draw_levels(canvas: &mut Canvas, frame: &Panel, plot: &Interaction, labelled:
             let text = shortened(level, 12.0, every as f64 * slot - 6.0);
             canvas.text([x, bottom + 18.0], &text, TextStyle::new(12.0, Anchor::Middle).muted());
         }
-    }
-    if labelled {
-        let x = frame.corner[0] + 0.5 * frame.size[0];
-        canvas.text([x, bottom + 39.0], &plot.factor, TextStyle::new(13.0, Anchor::Middle));
     }
 }
 

@@ -27,27 +27,29 @@ const TITLE: &str = "Joint posterior of m and ω₀";
 #[must_use]
 pub fn joint_posterior(posteriors: &[JointPosterior]) -> String {
     let mut bad = 0;
-    let shown: Vec<(&JointPosterior, Vec<[f64; 2]>)> = posteriors
+    let shown: Vec<Drawn<'_>> = posteriors
         .iter()
         .take(MOST)
         .map(|posterior| {
             let good: Vec<[f64; 2]> =
                 posterior.draws.iter().copied().filter(|d| d.iter().all(|v| drawable(*v) && *v >= 0.0)).collect();
             bad += posterior.draws.len() - good.len();
-            (posterior, good)
+            let regions = Density::new(&good).map(|density| [0.95, 0.5].map(|share| density.contour(share)));
+            Drawn { posterior, draws: good, regions }
         })
-        .filter(|(_, draws)| !draws.is_empty())
+        .filter(|drawn| !drawn.draws.is_empty())
         .collect();
     if shown.is_empty() {
         return nothing(TITLE, "no posterior has a draw");
     }
     let axis = |label: &str, i: usize| {
-        let ends = shown.iter().flat_map(|(posterior, draws)| {
+        let ends = shown.iter().flat_map(|Drawn { posterior, draws, regions }| {
             let sorted = sorted_finite(draws.iter().map(|d| d[i]));
-            let at = |q| quantile_of_sorted(&sorted, q).unwrap_or(0.0);
             // A few draws far out would make everything else small.
-            let tail = 0.35 * (at(0.995) - at(0.005));
-            [(at(0.005) - tail).max(0.0), at(0.995) + tail].into_iter().chain(posterior.estimate.map(|e| e[i]))
+            let mut ends = [0.005, 0.995].map(|q| quantile_of_sorted(&sorted, q).unwrap_or(0.0)).to_vec();
+            ends.extend(regions.iter().flat_map(|[outer, _]| outer).flatten().map(|point| point[i].max(0.0)));
+            ends.extend(posterior.estimate.map(|estimate| estimate[i]));
+            ends
         });
         Axis::over(label, ends.collect::<Vec<_>>(), false)
     };
@@ -60,21 +62,21 @@ pub fn joint_posterior(posteriors: &[JointPosterior]) -> String {
     let left = Panel::margin(&y, tall);
     let width = WIDTH - left - 20.0 - side - 10.0;
     let mut entries: Vec<(String, Mark)> = Vec::new();
-    if shown.len() > 1 || !shown[0].0.name.is_empty() {
-        entries.extend(shown.iter().enumerate().map(|(i, (p, _))| (p.name.clone(), Mark::Line(line(i, 1.8)))));
+    if shown.len() > 1 || !shown[0].posterior.name.is_empty() {
+        entries.extend(shown.iter().enumerate().map(|(i, d)| (d.posterior.name.clone(), Mark::Line(line(i, 1.8)))));
     }
     entries.push(("50 % and 95 % of the posterior".to_owned(), Mark::LineInBand(Paint::muted(1.6))));
-    if shown.iter().any(|(posterior, _)| posterior.estimate.is_some()) {
+    if shown.iter().any(|drawn| drawn.posterior.estimate.is_some()) {
         entries.push(("estimate".to_owned(), Mark::Diamond));
     }
     let top = keys(&mut canvas, left, &entries) + 4.0;
     let main = Panel::new([left, top + side + 10.0], [width, tall], x, y);
     main.draw_grid(&mut canvas);
     main.draw(&mut canvas, |canvas| {
-        for (index, (_, draws)) in shown.iter().enumerate() {
-            draw_regions(canvas, &main, draws, index);
+        for (index, drawn) in shown.iter().enumerate() {
+            draw_regions(canvas, &main, drawn, index);
         }
-        for (posterior, _) in &shown {
+        for Drawn { posterior, .. } in &shown {
             if let Some([m, omega0]) = posterior.estimate.filter(|e| e.iter().all(|v| drawable(*v))) {
                 diamond(canvas, main.px(m, omega0), 5.0);
             }
@@ -83,7 +85,7 @@ pub fn joint_posterior(posteriors: &[JointPosterior]) -> String {
     main.draw_axes(&mut canvas, [true, true]);
     draw_sides(&mut canvas, &main, &shown, top, side);
 
-    let thin = shown.iter().filter(|(_, draws)| Density::new(draws).is_none()).count();
+    let thin = shown.iter().filter(|drawn| drawn.regions.is_none()).count();
     let thin = match thin {
         0 => String::new(),
         1 => "The draws of one posterior are too few or without spread: they are drawn as points.".to_owned(),
@@ -96,9 +98,16 @@ pub fn joint_posterior(posteriors: &[JointPosterior]) -> String {
     canvas.finish([WIDTH, bottom], TITLE, &described(&shown))
 }
 
-fn described(shown: &[(&JointPosterior, Vec<[f64; 2]>)]) -> String {
+/// A posterior with its draws that can be drawn, and the rings around its 95 % and its 50 % if they have a density.
+struct Drawn<'a> {
+    posterior: &'a JointPosterior,
+    draws: Vec<[f64; 2]>,
+    regions: Option<[Vec<Vec<[f64; 2]>>; 2]>,
+}
+
+fn described(shown: &[Drawn<'_>]) -> String {
     let mut text = "Regions that hold 50 % and 95 % of the posterior of slope and intercept.".to_owned();
-    for (posterior, draws) in shown {
+    for Drawn { posterior, draws, .. } in shown {
         let estimate = posterior.estimate.map_or_else(String::new, |[m, omega0]| {
             format!(", estimate m = {}, omega0 = {}", significant(m), significant(omega0))
         });
@@ -107,18 +116,16 @@ fn described(shown: &[(&JointPosterior, Vec<[f64; 2]>)]) -> String {
     text
 }
 
-fn draw_regions(canvas: &mut Canvas, panel: &Panel, draws: &[[f64; 2]], index: usize) {
+fn draw_regions(canvas: &mut Canvas, panel: &Panel, drawn: &Drawn<'_>, index: usize) {
     let color = color(index);
-    let Some(density) = Density::new(draws) else {
-        draws.iter().take(500).for_each(|d| canvas.circle(panel.px(d[0], d[1]), 2.4, &Paint::fill(color).opacity(0.5)));
+    let Some(regions) = &drawn.regions else {
+        let dot = Paint::fill(color).opacity(0.5);
+        drawn.draws.iter().take(500).for_each(|d| canvas.circle(panel.px(d[0], d[1]), 2.4, &dot));
         return;
     };
-    for (share, opacity) in [(0.95, 0.13), (0.5, 0.24)] {
-        let rings: Vec<Vec<[f64; 2]>> = density
-            .contour(share)
-            .into_iter()
-            .map(|ring| ring.into_iter().map(|[m, omega0]| panel.px(m, omega0)).collect())
-            .collect();
+    for (rings, opacity) in regions.iter().zip([0.13, 0.24]) {
+        let rings: Vec<Vec<[f64; 2]>> =
+            rings.iter().map(|ring| ring.iter().map(|[m, omega0]| panel.px(*m, *omega0)).collect()).collect();
         canvas.rings(&rings, &Paint::fill(color).opacity(opacity));
         for mut ring in rings {
             ring.extend(ring.first().copied());
@@ -128,7 +135,7 @@ fn draw_regions(canvas: &mut Canvas, panel: &Panel, draws: &[[f64; 2]], index: u
 }
 
 /// Densities of m above the panel and of omega0 to its right, with the central 95 % of each along the panel's edge.
-fn draw_sides(canvas: &mut Canvas, main: &Panel, shown: &[(&JointPosterior, Vec<[f64; 2]>)], top: f64, side: f64) {
+fn draw_sides(canvas: &mut Canvas, main: &Panel, shown: &[Drawn<'_>], top: f64, side: f64) {
     let right = main.corner[0] + main.size[0] + 10.0;
     // Room for the intervals between the panel and the densities.
     let foot = 5.0 * shown.len().min(6) as f64 + 4.0;
@@ -138,8 +145,8 @@ fn draw_sides(canvas: &mut Canvas, main: &Panel, shown: &[(&JointPosterior, Vec<
         let curves: Vec<(usize, Vec<f64>)> = shown
             .iter()
             .enumerate()
-            .filter_map(|(index, (_, draws))| {
-                let values: Vec<f64> = draws.iter().map(|d| d[i]).collect();
+            .filter_map(|(index, drawn)| {
+                let values: Vec<f64> = drawn.draws.iter().map(|d| d[i]).collect();
                 Some((index, marginal(&values, &places)?))
             })
             .collect();
@@ -159,8 +166,8 @@ fn draw_sides(canvas: &mut Canvas, main: &Panel, shown: &[(&JointPosterior, Vec<
             canvas.polygon(&area, &Paint::fill(color(index)).opacity(0.13));
             canvas.polyline(&curve, &line(index, 1.5));
         }
-        for (index, (_, draws)) in shown.iter().enumerate().take(6) {
-            let sorted = sorted_finite(draws.iter().map(|d| d[i]));
+        for (index, drawn) in shown.iter().enumerate().take(6) {
+            let sorted = sorted_finite(drawn.draws.iter().map(|d| d[i]));
             let [low, high] = [0.025, 0.975].map(|q| quantile_of_sorted(&sorted, q).unwrap_or(0.0));
             let [low, high] = [low, high].map(|v| v.clamp(axis.range()[0], axis.range()[1]));
             let shift = 5.0 * index as f64 + 3.0;

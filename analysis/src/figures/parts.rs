@@ -3,7 +3,7 @@
 //! Which data a figure takes and what it draws of them stands with the figure; axes and shapes are [`crate::svg`]'s.
 
 use super::WIDTH;
-use crate::svg::{Anchor, Axis, Canvas, LARGEST, PALETTE, Paint, Panel, TextStyle, legend};
+use crate::svg::{Anchor, Axis, Canvas, LARGEST, PALETTE, Paint, Panel, TextStyle, legend, shortened};
 
 /// Dashes that tell series of the same colour apart.
 const DASHES: [&str; 3] = ["", "7 4", "2 3"];
@@ -148,7 +148,8 @@ impl Multiples {
     pub(crate) fn new(panels: usize, columns: usize, top: f64, height: f64, y: &Axis) -> Self {
         let columns = columns.clamp(1, panels.max(1));
         let left = Panel::margin(y, height).max(54.0);
-        let gap = [18.0, 82.0];
+        // Below each row are numbers, and the headings of the next; the label stands below the last one only.
+        let gap = [18.0, 64.0];
         // One panel alone is as wide as the page; a few are not stretched.
         let room = WIDTH - left - RIGHT - gap[0] * (columns - 1) as f64;
         Self { panels: panels.max(1), columns, left, top, size: [room / columns as f64, height], gap }
@@ -168,14 +169,17 @@ impl Multiples {
         [self.left + column as f64 * (self.size[0] + self.gap[0]), self.top + row as f64 * (self.size[1] + self.gap[1])]
     }
 
-    /// Whether no panel lies below.
-    pub(crate) fn is_bottom(&self, index: usize) -> bool {
-        index + self.columns >= self.panels
-    }
-
     /// Whether no panel lies to the left.
     pub(crate) fn is_left(&self, index: usize) -> bool {
         index.is_multiple_of(self.columns)
+    }
+
+    /// One label of the horizontal axis below all panels.
+    pub(crate) fn draw_label(&self, canvas: &mut Canvas, label: &str) {
+        let columns = self.columns as f64;
+        let width = columns * self.size[0] + (columns - 1.0) * self.gap[0];
+        let at = [self.left + 0.5 * width, self.bottom() - 17.0];
+        canvas.text(at, &shortened(label, 13.0, width + 14.0), TextStyle::new(13.0, Anchor::Middle));
     }
 
     /// Where the figure ends, axis labels included.

@@ -2,7 +2,7 @@
 
 use super::WIDTH;
 use crate::shares::Mean;
-use crate::svg::{Anchor, Axis, BLUE, Canvas, Paint, TextStyle, shortened, text_width};
+use crate::svg::{Anchor, Axis, BLUE, Canvas, Paint, ROOM, TextStyle, inward, shortened, text_width};
 
 /// Height of a row.
 pub(super) const ROW: f64 = 26.0;
@@ -45,7 +45,7 @@ impl Rows {
         let widest = labels.iter().map(|label| text_width(&label.text, TEXT)).fold(60.0, f64::max);
         // Bold labels are wider.
         let left = (1.12 * widest + 26.0).min(0.45 * WIDTH);
-        let axis = axis.fitting(WIDTH - left - 28.0, |text| text_width(text, 12.0) + 10.0);
+        let axis = axis.fitting(WIDTH - left - 28.0, |text| text_width(text, 12.0) + ROOM);
         Self { left, right: 28.0, top, row, axis, labels, mirrored: false }
     }
 
@@ -54,7 +54,7 @@ impl Rows {
         self.left += left;
         self.right += right;
         let width = self.width();
-        self.axis = self.axis.fitting(width, |text| text_width(text, 12.0) + 10.0);
+        self.axis = self.axis.fitting(width, |text| text_width(text, 12.0) + ROOM);
         self
     }
 
@@ -92,7 +92,8 @@ impl Rows {
             canvas.line([x, self.top], [x, bottom], &Paint::grid());
             canvas.line([x, bottom], [x, bottom + 4.0], &Paint::ink(1.0));
             let text = if self.mirrored { text.trim_start_matches('−') } else { &text };
-            canvas.text([x, bottom + 18.0], text, TextStyle::new(12.0, Anchor::Middle).muted());
+            let middle = self.left + inward(x - self.left, text_width(text, 12.0), self.width());
+            canvas.text([middle, bottom + 18.0], text, TextStyle::new(12.0, Anchor::Middle).muted());
         }
         canvas.line([self.left, bottom], [self.left + self.width(), bottom], &Paint::ink(1.0));
         // A long label of a narrow axis stays on the page.

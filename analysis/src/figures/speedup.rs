@@ -74,7 +74,7 @@ pub fn speedup(data: &Speedup) -> String {
     let intervals = || drawn().filter_map(|(point, _)| drawable_interval(point.time_ci95?));
     let highest = drawn().map(|(_, ratio)| *ratio).chain(intervals().map(|ci| ci[1])).fold(1.0, f64::max);
     let qualities = drawn().map(|(point, _)| point.quality).chain(marks.iter().map(|mark| mark.quality));
-    let x = Axis::over("Quality index j (coarse to fine)", qualities.collect::<Vec<_>>(), false).with_ticks(10);
+    let x = Axis::over("Quality index j (coarse to fine)", qualities.collect::<Vec<_>>(), false).with_ticks(11);
     let y = Axis::linear("Full resolution / foveated (ratio)", 0.0, 1.08 * highest).with_ticks(7);
 
     let mut canvas = Canvas::default();
@@ -129,7 +129,7 @@ fn draw_slopes(canvas: &mut Canvas, panel: &Panel, product: f64) {
         let style = TextStyle::new(12.0, Anchor::Middle).muted();
         canvas.text([at, y - 9.0], &crate::text::significant(product / quality, 2), style);
     }
-    let label = format!("Slope m = {}/j (degrees per cycle per degree)", significant(product));
+    let label = format!("Slope m = {}/j (degrees per cycle per degree)", significant(product).trim_end_matches('0'));
     canvas.text([x + 0.5 * panel.size[0], y - 27.0], &label, TextStyle::new(13.0, Anchor::Middle));
 }
 

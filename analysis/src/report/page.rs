@@ -238,3 +238,46 @@ pub(super) fn document(title: &str, generator: Option<&str>, body: &str, json: &
         include_str!("style.css"),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_escape_what_they_hold_and_keep_numbers_plain() {
+        let mut table = Table::new("<c>", &["a&b", "x", "y", "z"]);
+        table.push(["<script>".into(), Cell::from(-0.020_833_333), f64::NAN.into(), Cell::from(1_234_567usize)]);
+        table.push([Cell::from(-0.0), "a \"note\"".into()]);
+        let html = table.html();
+        assert!(!html.contains("<script>") && html.contains("&lt;c&gt;") && html.contains("a&amp;b"));
+        // What is shown is what a spreadsheet reads: a hyphen, a point, no separators, one number in a cell.
+        assert!(
+            html.contains("<td data-v=\"-0.020833333\">-0.0208</td><td></td><td data-v=\"1234567\">1234567</td>"),
+            "{html}"
+        );
+        assert!(
+            html.contains("<th scope=\"row\" data-v=\"0\">0</th><td>a &quot;note&quot;</td><td></td><td></td>"),
+            "{html}"
+        );
+    }
+
+    #[test]
+    fn a_page_is_one_document_whatever_it_is_given() {
+        let hostile = "</script><script>alert(1)</script>\"'&<";
+        let mut table = Table::new(hostile, &[hostile]);
+        table.push([Cell::from(hostile)]);
+        let section = Section {
+            prose: vec![hostile.to_owned()],
+            warnings: vec![hostile.to_owned()],
+            tables: vec![table],
+            ..Section::new(hostile)
+        };
+        let json = serde_json::json!({ hostile: hostile });
+        let html = page(hostile, &[section, Section::new("empty")], &json);
+        assert!(!html.contains("<script>alert") && !html.contains("empty"));
+        assert_eq!(html.matches("</script>").count(), 2);
+        let start = html.find("id=\"parafovea-analysis\">").unwrap() + "id=\"parafovea-analysis\">".len();
+        let end = start + html[start..].find("</script>").unwrap();
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&html[start..end]).unwrap(), json);
+    }
+}

@@ -11,6 +11,16 @@ pub(crate) struct Axis {
     percent: bool,
 }
 
+/// Room between two numbers of an axis, pixels.
+pub(crate) const ROOM: f64 = 8.0;
+
+/// The middle of a number at a tick, moved so far inward that it does not reach the number of a neighbouring panel or the
+/// page's edge; `at` in pixels along an axis of `pixels`.
+pub(crate) fn inward(at: f64, width: f64, pixels: f64) -> f64 {
+    let over = ROOM - 1.0;
+    at.max(0.5 * width - over).min(pixels - 0.5 * width + over)
+}
+
 /// No quantity of this field is larger; what is, cannot be drawn beside anything else.
 pub(crate) const LARGEST: f64 = 1e12;
 /// The smallest positive number that a logarithmic axis shows.
@@ -76,8 +86,11 @@ impl Axis {
     }
 
     fn crowded(&self, pixels: f64, needed: &impl Fn(&str) -> f64) -> bool {
-        let places: Vec<(f64, f64)> =
-            self.ticks().iter().map(|(value, text)| (pixels * self.place(*value), needed(text))).collect();
+        let places: Vec<(f64, f64)> = self
+            .ticks()
+            .iter()
+            .map(|(value, text)| (inward(pixels * self.place(*value), needed(text) - ROOM, pixels), needed(text)))
+            .collect();
         places.windows(2).any(|pair| pair[1].0 - pair[0].0 < 0.5 * (pair[0].1 + pair[1].1))
     }
 

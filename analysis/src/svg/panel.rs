@@ -1,6 +1,6 @@
 //! A panel: a rectangle with two axes, into which marks are drawn in data units, and the legend above it.
 
-use super::{Anchor, Axis, Canvas, Paint, TextStyle, shortened, text_width};
+use super::{Anchor, Axis, Canvas, Paint, ROOM, TextStyle, inward, shortened, text_width};
 
 const TICK: f64 = 12.0;
 const LABEL: f64 = 13.0;
@@ -17,7 +17,7 @@ pub(crate) struct Panel {
 impl Panel {
     /// A panel whose axes have as many ticks as there is room for.
     pub(crate) fn new(corner: [f64; 2], size: [f64; 2], x: Axis, y: Axis) -> Self {
-        let x = x.fitting(size[0], |text| text_width(text, TICK) + 8.0);
+        let x = x.fitting(size[0], |text| text_width(text, TICK) + ROOM);
         let y = y.fitting(size[1], |_| 1.4 * TICK);
         Self { corner, size, x, y }
     }
@@ -61,11 +61,12 @@ impl Panel {
             let at = x + w * self.x.place(value);
             canvas.line([at, y + h], [at, y + h + 4.0], &Paint::ink(1.0));
             if numbers[0] {
-                canvas.text([at, y + h + 18.0], &text, TextStyle::new(TICK, Anchor::Middle).muted());
+                let middle = x + inward(at - x, text_width(&text, TICK), w);
+                canvas.text([middle, y + h + 18.0], &text, TextStyle::new(TICK, Anchor::Middle).muted());
             }
         }
         if numbers[0] && !self.x.label.is_empty() {
-            let label = shortened(&self.x.label, LABEL, w + 40.0);
+            let label = shortened(&self.x.label, LABEL, w + 14.0);
             canvas.text([x + 0.5 * w, y + h + 39.0], &label, TextStyle::new(LABEL, Anchor::Middle));
         }
         self.draw_frame(canvas, numbers[1]);
@@ -88,8 +89,8 @@ impl Panel {
         }
         if numbers && !self.y.label.is_empty() {
             let style = TextStyle { vertical: true, ..TextStyle::new(LABEL, Anchor::Middle) };
-            let label = shortened(&self.y.label, LABEL, h + 40.0);
-            canvas.text([x - 18.0 - widest, y + 0.5 * h], &label, style);
+            let label = shortened(&self.y.label, LABEL, h + 10.0);
+            canvas.text([(x - 18.0 - widest).max(12.0), y + 0.5 * h], &label, style);
         }
     }
 
