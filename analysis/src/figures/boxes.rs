@@ -222,7 +222,7 @@ pub(super) fn draw_box(
 mod tests {
     use super::*;
 
-    /// numpy 2.4.6 `percentile` and matplotlib 3.11.2 `cbook.boxplot_stats` of the same numbers.
+    /// `tests/peers/figures_peer.py`: matplotlib 3.11.2, `boxplot_stats`.
     #[test]
     fn boxes_are_those_of_other_programs() {
         let values = [2.1, 3.4, 3.9, 4.4, 4.6, 5.0, 5.3, 5.9, 6.2, 7.7, 12.5, -4.0];

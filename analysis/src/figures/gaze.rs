@@ -78,7 +78,7 @@ pub fn gaze_density(samples: &[GazeSample], view: &GazeView) -> String {
         ),
     ];
     // One scale for both panels, so that one colour means one density.
-    let most = maps.iter().map(Map::most).fold(f64::MIN_POSITIVE, f64::max);
+    let most = maps.iter().map(Map::most).fold(0.0, f64::max);
     let mut canvas = Canvas::default();
     draw_legend(&mut canvas, left, gate.is_some());
     for (map, heading) in maps.iter().zip(["Whole display", "Around fixation"]) {
@@ -86,7 +86,10 @@ pub fn gaze_density(samples: &[GazeSample], view: &GazeView) -> String {
         let inside = map.counts.iter().map(|n| f64::from(*n)).sum::<f64>() / valid.len() as f64;
         map.panel.draw_heading(&mut canvas, heading, &format!("{:.1} %", 100.0 * inside));
     }
-    draw_scale(&mut canvas, [WIDTH - 62.0, top], side, most);
+    // Where every sample lies off the display there is nothing to scale.
+    if most > 0.0 {
+        draw_scale(&mut canvas, [WIDTH - 62.0, top], side, most);
+    }
     let height = top + tall.max(side) + 56.0;
     let lost = samples.len() - valid.len();
     let description = format!(

@@ -4,7 +4,7 @@ use super::parts::{
     Mark, Multiples, capped, color, drawable, drawable_interval, keys, left_out, line, nothing, remark, sentences,
 };
 use super::{WIDTH, significant};
-use crate::svg::{Anchor, Axis, Canvas, Paint, Panel, TextStyle, shortened, text_width};
+use crate::svg::{Anchor, Axis, Canvas, Paint, Panel, TextStyle, inward, shortened, text_width};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -199,7 +199,8 @@ fn draw_levels(canvas: &mut Canvas, frame: &Panel, plot: &Interaction) {
         canvas.line([x, bottom], [x, bottom + 4.0], &Paint::ink(1.0));
         if i % every == 0 {
             let text = shortened(level, 12.0, every as f64 * slot - 6.0);
-            canvas.text([x, bottom + 18.0], &text, TextStyle::new(12.0, Anchor::Middle).muted());
+            let middle = frame.corner[0] + inward(x - frame.corner[0], text_width(&text, 12.0), frame.size[0]);
+            canvas.text([middle, bottom + 18.0], &text, TextStyle::new(12.0, Anchor::Middle).muted());
         }
     }
 }
@@ -218,4 +219,30 @@ fn described(plot: &Interaction) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `tests/peers/figures_peer.py`: numpy 2.4.6 and scipy 1.17.1.
+    #[test]
+    fn intervals_are_those_of_another_program() {
+        let rows =
+            [[3.0, 4.5, 5.0], [1.0, 2.0, 4.5], [4.0, 4.0, 6.5], [2.5, 3.5, 3.0], [5.0, 7.0, 7.5], [f64::NAN, 9.0, 9.0]];
+        let means = within_subject_means(&rows.map(|row| row.to_vec()));
+        let expected = [(3.1, 0.660_926_133_484_939), (4.2, 0.948_336_543_245_043), (5.3, 1.183_386_784_485_72)];
+        assert_eq!(means.len(), 3);
+        for (found, (mean, half)) in means.iter().zip(expected) {
+            assert!((found.mean - mean).abs() < 1e-12, "{found:?}");
+            assert!((found.ci95.unwrap()[1] - mean - half).abs() < 1e-9, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn one_observer_or_one_condition_has_no_interval() {
+        assert_eq!(within_subject_means(&[vec![1.0, 2.0]])[0], CellMean { mean: 1.0, ci95: None });
+        assert_eq!(within_subject_means(&[vec![1.0], vec![3.0]])[0], CellMean { mean: 2.0, ci95: None });
+        assert!(within_subject_means(&[vec![f64::NAN]]).is_empty());
+    }
 }

@@ -150,18 +150,20 @@ fn apparatus(facts: &MethodsFacts) -> Vec<String> {
     }
     if let Some(source) = facts.gaze_source.as_ref().filter(|source| !source.is_empty()) {
         let rate = facts.gaze.and_then(|gaze| gaze.sampling_rate_hz);
-        let rate = rate.map_or_else(String::new, |hz| format!(" at {hz:.0} Hz"));
-        text.push(format!("Gaze came from: {source}{rate}."));
+        let rate =
+            rate.map_or_else(String::new, |hz| format!(", its samples {:.1} ms apart in the median", 1000.0 / hz));
+        text.push(format!("The gaze source was {source}{rate}."));
     }
     if let Some(gate) = facts.gate_deg {
-        text.push(format!("Trials ran only while gaze was within {}° of the fixation point.", significant(gate, 3)));
+        text.push(format!("Gaze was held to a circle of {}° around the fixation point.", significant(gate, 3)));
     }
     if let Some(gaze) = facts.gaze {
         if let (Some(median), Some(p95), Some(lost)) =
             (gaze.median_deviation_deg, gaze.p95_deviation_deg, gaze.loss_share)
         {
             text.push(format!(
-                "While stimuli were shown, gaze was {}° from it in the median ({}° in 95 % of samples); {} of samples were lost.",
+                "While stimuli were shown, the median distance of gaze from the fixation point was {}° (95 % of samples within {}°); {} \
+                 of samples were lost.",
                 significant(median, 2),
                 significant(p95, 2),
                 percent(lost)
@@ -247,7 +249,9 @@ impl MethodsFacts {
         facts.software.insert(0, ("Sessions".to_owned(), versions.join(", ")));
         facts.observers = Some(sessions.len());
         facts.simulated = same(&|s| s.truth.is_some());
-        facts.trials = sessions.iter().map(super::SessionReport::trials).collect();
+        // Trials that the display could not show are no part of the analysis.
+        let not_shown = |s: &super::SessionReport| s.fit.as_ref().map_or(0, |fit| fit.trials_not_shown);
+        facts.trials = sessions.iter().map(|s| s.trials().saturating_sub(not_shown(s))).collect();
         facts.repeated_trials = Some(sessions.iter().map(|s| s.aborted_trials).sum());
         facts.display = same(&|s| s.display == first.display).then(|| first.display.clone());
         facts.stimulus = same(&|s| s.stimulus == first.stimulus).then(|| first.stimulus.clone());
@@ -272,8 +276,9 @@ impl MethodsFacts {
             tested.sort_by(f64::total_cmp);
             tested.dedup();
             facts.eccentricities_deg = tested;
-            let not_shown = sessions.iter().filter_map(|s| s.fit.as_ref()).map(|f| f.trials_not_shown).sum();
-            facts.excluded_trials.push((not_shown, "finer than the display could show".to_owned()));
+            facts
+                .excluded_trials
+                .push((sessions.iter().map(not_shown).sum(), "finer than the display could show".to_owned()));
         }
         facts
     }
@@ -312,7 +317,7 @@ mod tests {
     #[test]
     fn display_timing_and_model_are_prose() {
         let mut facts = MethodsFacts {
-            display: Display::named("guenter-2012").ok(),
+            display: Display::named("guenter-2012"),
             gaze_source: Some("recorded".to_owned()),
             gate_deg: Some(2.0),
             software: vec![("Analysis".to_owned(), "parafovea 0.1.0".to_owned())],
@@ -323,7 +328,7 @@ mod tests {
         for part in [
             "1920 × 1080",
             "Hz (declared)",
-            "within 2° of",
+            "a circle of 2°",
             "Beta(1, 10) for λ",
             "Software: analysis: parafovea 0.1.0.",
         ] {

@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn ticks_give_way_to_their_numbers() {
         let wide = |text: &str| 8.0 * text.chars().count() as f64 + 8.0;
-        let axis = Axis::linear("", 0.0, 0.01).fitting(120.0, wide);
+        let axis = Axis::linear("", 0.0, 0.01).fitting(130.0, wide);
         assert_eq!(texts(&axis), ["0", "0.005", "0.010"]);
         assert_eq!(texts(&Axis::over("", [3.0, f64::NAN, 3.0], false).with_ticks(3)), ["2", "3", "4"]);
     }

@@ -98,7 +98,7 @@ impl Panel {
     pub(crate) fn draw_heading(&self, canvas: &mut Canvas, heading: &str, note: &str) {
         let at = [self.corner[0], self.corner[1] - 8.0];
         // Bold is wider.
-        let room = (self.size[0] - text_width(note, TICK) - 12.0) / 1.1;
+        let room = (self.size[0] - text_width(note, TICK) - 12.0) / 1.2;
         canvas.text(at, &shortened(heading, LABEL, room), TextStyle::new(LABEL, Anchor::Start).bold());
         if !note.is_empty() {
             let note_at = [at[0] + self.size[0], at[1]];
