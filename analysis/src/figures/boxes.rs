@@ -64,7 +64,7 @@ impl BoxStats {
             median,
             quartiles,
             // A box without values within its own fences does not exist: the quartiles lie among them.
-            whiskers: [inside().next().unwrap_or(quartiles[0]), inside().last().unwrap_or(quartiles[1])],
+            whiskers: [inside().next().unwrap_or(quartiles[0]), inside().next_back().unwrap_or(quartiles[1])],
             outliers: sorted.iter().copied().filter(|v| !(fences[0]..=fences[1]).contains(v)).collect(),
             mean: sorted.iter().sum::<f64>() / n as f64,
             notch: [median - half, median + half],

@@ -61,12 +61,13 @@ impl Density {
             |i: usize, j: usize| draws.iter().map(|d| (d[i] - mean[i]) * (d[j] - mean[j])).sum::<f64>() / (n - 1.0);
         let (xx, xy, yy) = (covariance(0, 0), covariance(0, 1), covariance(1, 1));
         let l11 = xx.sqrt();
-        if !(l11 > 1e-9 * mean[0].abs()) {
+        // A sum that overflowed is no spread either.
+        if !l11.is_finite() || l11 <= 1e-9 * mean[0].abs() {
             return None;
         }
         let l21 = xy / l11;
         let rest = yy - l21 * l21;
-        if !(rest > 1e-9 * yy && yy.sqrt() > 1e-9 * mean[1].abs()) {
+        if !rest.is_finite() || rest <= 1e-9 * yy || yy.sqrt() <= 1e-9 * mean[1].abs() {
             return None;
         }
         let mut density = Self { mean, factor: [l11, l21, rest.sqrt()], values: Vec::new() };

@@ -53,7 +53,7 @@ pub fn joint_posterior(posteriors: &[JointPosterior]) -> String {
         });
         Axis::over(label, ends.collect::<Vec<_>>(), false)
     };
-    let positive = |axis: Axis| if axis.range()[0] < 0.0 { axis.from_zero() } else { axis };
+    let positive = |axis: Axis| if axis.range()[0] < 0.0 { axis.starting_at_zero() } else { axis };
     let x = positive(axis("Slope m (degrees per cycle per degree)", 0)).with_ticks(7);
     let y = positive(axis("ω₀ (degrees per cycle)", 1)).with_ticks(7);
 

@@ -48,7 +48,7 @@ pub fn blur_by_eccentricity(patches: &[PatchBlur], label: &str) -> String {
         .collect();
 
     let values = at_each.iter().flat_map(|(_, here)| here).map(|(_, blur)| *blur);
-    let y = Axis::over(label, values.collect::<Vec<_>>(), false).from_zero().with_ticks(7);
+    let y = Axis::over(label, values.collect::<Vec<_>>(), false).starting_at_zero().with_ticks(7);
     let step = eccentricities.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let last = eccentricities[eccentricities.len() - 1];
     let step = if step.is_finite() { step } else { 1.0f64.max(0.1 * last.abs()) };

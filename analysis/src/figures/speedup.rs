@@ -52,10 +52,13 @@ const SERIES: [(&str, &str, Ratio); 3] = [
     ("time", VERMILION, |point| point.time),
 ];
 
+/// Name, colour and points of one line, each point with the ratio that the line is about.
+type Drawn<'a> = (&'static str, &'static str, Vec<(&'a SpeedupPoint, f64)>);
+
 /// Ratios of pixels and of time by quality index, with marked qualities and, above, the slope m.
 #[must_use]
 pub fn speedup(data: &Speedup) -> String {
-    let series: Vec<(&str, &'static str, Vec<(&SpeedupPoint, f64)>)> = SERIES
+    let series: Vec<Drawn<'_>> = SERIES
         .iter()
         .map(|(name, color, ratio)| {
             let good = data.points.iter().filter(|point| drawable(point.quality));
@@ -133,7 +136,7 @@ fn draw_slopes(canvas: &mut Canvas, panel: &Panel, product: f64) {
     canvas.text([x + 0.5 * panel.size[0], y - 27.0], &label, TextStyle::new(13.0, Anchor::Middle));
 }
 
-fn described(series: &[(&str, &str, Vec<(&SpeedupPoint, f64)>)]) -> String {
+fn described(series: &[Drawn<'_>]) -> String {
     let mut text = "Ratio of full resolution to foveated rendering by quality index.".to_owned();
     for (name, _, points) in series {
         if let [(first, from), .., (last, to)] = points.as_slice() {

@@ -100,10 +100,10 @@ fn participants(facts: &MethodsFacts) -> Vec<String> {
     let least = facts.trials.iter().copied().min();
     match (least, most) {
         (Some(a), Some(b)) if a == b && facts.trials.len() == 1 => {
-            text.push(format!("{} were analysed.", capital(&plural(a, "trial"))))
+            text.push(format!("{} were analysed.", capital(&plural(a, "trial"))));
         }
         (Some(a), Some(b)) if a == b => {
-            text.push(format!("{} of each observer were analysed.", capital(&plural(a, "trial"))))
+            text.push(format!("{} of each observer were analysed.", capital(&plural(a, "trial"))));
         }
         (Some(a), Some(b)) => {
             let total: usize = facts.trials.iter().sum();
@@ -157,18 +157,15 @@ fn apparatus(facts: &MethodsFacts) -> Vec<String> {
     if let Some(gate) = facts.gate_deg {
         text.push(format!("Gaze was held to a circle of {}° around the fixation point.", significant(gate, 3)));
     }
-    if let Some(gaze) = facts.gaze {
-        if let (Some(median), Some(p95), Some(lost)) =
-            (gaze.median_deviation_deg, gaze.p95_deviation_deg, gaze.loss_share)
-        {
-            text.push(format!(
-                "While stimuli were shown, the median distance of gaze from the fixation point was {}° (95 % of samples within {}°); {} \
-                 of samples were lost.",
-                significant(median, 2),
-                significant(p95, 2),
-                percent(lost)
-            ));
-        }
+    let distances = facts.gaze.and_then(|g| Some((g.median_deviation_deg?, g.p95_deviation_deg?, g.loss_share?)));
+    if let Some((median, p95, lost)) = distances {
+        text.push(format!(
+            "While stimuli were shown, the median distance of gaze from the fixation point was {}° (95 % of samples within {}°); {} \
+             of samples were lost.",
+            significant(median, 2),
+            significant(p95, 2),
+            percent(lost)
+        ));
     }
     let age = facts.timing.filter(|_| !facts.virtual_time);
     if let Some((median, p95)) = age.and_then(|t| Some((t.gaze_age_median_s?, t.gaze_age_p95_s?))) {

@@ -65,7 +65,7 @@ impl Axis {
     }
 
     /// Begins at 0 if it is linear and all of it lies above.
-    pub(crate) fn from_zero(self) -> Self {
+    pub(crate) fn starting_at_zero(self) -> Self {
         if self.logarithmic || self.low <= 0.0 && self.high <= 0.0 {
             return self;
         }
