@@ -22,6 +22,7 @@ pub mod power;
 pub mod psychometric;
 pub mod report;
 pub mod shares;
+pub mod statistics;
 pub mod summary;
 mod svg;
 mod text;

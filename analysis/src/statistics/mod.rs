@@ -1,0 +1,2 @@
+//! Statistical tests.
+pub mod distributions;
