@@ -91,7 +91,7 @@ pub fn f(x: f64, df1: f64, df2: f64) -> Option<Tails> {
     defined.then(|| f_tails(x, df1, df2))
 }
 
-fn f_tails(x: f64, df1: f64, df2: f64) -> Tails {
+pub(super) fn f_tails(x: f64, df1: f64, df2: f64) -> Tails {
     if x <= 0.0 {
         return Tails::NOTHING_BELOW;
     }
