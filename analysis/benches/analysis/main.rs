@@ -3,6 +3,7 @@
 //! It measures and judges nothing; the limits that the project has set itself are named beside each benchmark.
 
 mod psychometric;
+mod statistics;
 
 use criterion::Criterion;
 use std::time::Duration;
@@ -14,5 +15,6 @@ fn main() {
         .measurement_time(Duration::from_secs(4))
         .configure_from_args();
     psychometric::bench(&mut criterion);
+    statistics::bench(&mut criterion);
     criterion.final_summary();
 }
