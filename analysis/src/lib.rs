@@ -24,6 +24,7 @@ pub mod psychometric;
 pub mod report;
 pub mod rules;
 pub mod shares;
+pub mod statistics;
 pub mod summary;
 mod svg;
 mod text;

@@ -6,6 +6,7 @@ mod gaze;
 mod psychometric;
 mod quest_plus;
 mod rules;
+mod statistics;
 
 use criterion::Criterion;
 use std::time::Duration;
@@ -20,5 +21,6 @@ fn main() {
     psychometric::bench(&mut criterion);
     quest_plus::bench(&mut criterion);
     rules::bench(&mut criterion);
+    statistics::bench(&mut criterion);
     criterion.final_summary();
 }
