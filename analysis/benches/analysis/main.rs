@@ -2,6 +2,7 @@
 //!
 //! It measures and judges nothing; the limits that the project has set itself are named beside each benchmark.
 
+mod mar;
 mod psychometric;
 
 use criterion::Criterion;
@@ -13,6 +14,7 @@ fn main() {
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(4))
         .configure_from_args();
+    mar::bench(&mut criterion);
     psychometric::bench(&mut criterion);
     criterion.final_summary();
 }
