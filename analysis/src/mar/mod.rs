@@ -21,11 +21,14 @@
 //! Such thresholds are returned as limits ([`Threshold::limited`]), and an intercept below everything that the display
 //! could show is flagged as extrapolated ([`MarFit::display_limited`]).
 
+pub mod conditions;
 mod data;
 mod elementary;
 mod goodness;
 pub mod hierarchical;
+pub mod linearity;
 mod maximum;
+mod maximum_likelihood;
 mod posterior;
 mod sampler;
 mod support;
@@ -36,6 +39,7 @@ use serde::{Deserialize, Serialize};
 
 pub use data::{Cell, FitError};
 pub use goodness::Goodness;
+pub use maximum_likelihood::{LARGEST_LAPSE, ModelSize};
 pub use support::Support;
 pub use thresholds::Threshold;
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// How far the chains can be trusted.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Diagnostics {
-    /// The largest split R-hat over the population's means and ln SDs; 1 when chains agree, suspect above 1.05.
+    /// The largest split R-hat over the population's means and SDs; 1 when chains agree, suspect above 1.05.
     pub max_r_hat: f64,
     /// The smallest effective number of draws over the same.
     pub least_ess: f64,

@@ -323,7 +323,7 @@ fn single_config(config: &HierarchicalConfig, finest_mar: &[(f64, f64)], index: 
     }
 }
 
-fn check(observers: &[ObserverTrials], config: &HierarchicalConfig) -> Result<(), HierarchicalError> {
+pub(super) fn check(observers: &[ObserverTrials], config: &HierarchicalConfig) -> Result<(), HierarchicalError> {
     if observers.is_empty() {
         return Err(HierarchicalError::NoObservers);
     }
@@ -406,7 +406,7 @@ pub(super) fn diagnose<const D: usize>(chains: &[Chain<D>]) -> Diagnostics {
     let (mut max_r_hat, mut least_ess) = (1.0f64, f64::INFINITY);
     for axis in 0..D - 1 {
         let means: Vec<Vec<f64>> = chains.iter().map(|c| c.mean.iter().map(|v| v[axis]).collect()).collect();
-        let sds: Vec<Vec<f64>> = chains.iter().map(|c| c.sd.iter().map(|v| v[axis].ln()).collect()).collect();
+        let sds: Vec<Vec<f64>> = chains.iter().map(|c| c.sd.iter().map(|v| v[axis]).collect()).collect();
         for quantity in [means, sds] {
             let (r_hat, ess) = r_hat_and_ess(&quantity);
             max_r_hat = max_r_hat.max(r_hat);

@@ -117,6 +117,13 @@ impl<const D: usize> Approximation<D> {
     }
 }
 
+/// What an ancillary move moves.
+#[derive(Debug, Clone, Copy)]
+enum Part {
+    Mean,
+    Sd,
+}
+
 /// The independence proposal is this much wider than the normal approximation.
 const INFLATION: f64 = 1.2;
 
@@ -130,8 +137,8 @@ struct Walker<'a, const D: usize> {
     mean: SVector<f64, D>,
     sd: SVector<f64, D>,
     approximations: Vec<Approximation<D>>,
-    /// ln of the ancillary move's step, per coordinate.
-    ln_step: SVector<f64, D>,
+    /// ln of the ancillary moves' steps, per part and coordinate.
+    ln_step: [SVector<f64, D>; 2],
 }
 
 /// Run one chain from `starts` (one point per observer); `index` spreads the starting SDs.
@@ -147,9 +154,11 @@ pub(in super::super) fn run_chain<const D: usize>(
     let mut chain = Chain { mean: Vec::new(), sd: Vec::new(), observers: Vec::new() };
     for iteration in 0..length.warmup + length.draws {
         let warming = iteration < length.warmup;
-        walker.redraw_observers(warming);
+        walker.redraw_observers(iteration, warming);
         walker.redraw_population();
-        walker.move_standardised(iteration % (D - 1), warming.then_some(iteration));
+        for part in [Part::Mean, Part::Sd] {
+            walker.move_standardised(part, iteration % (D - 1), warming.then_some(iteration));
+        }
         if warming && [length.warmup / 5, length.warmup / 2].contains(&iteration) {
             walker.recentre();
         }
@@ -183,7 +192,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         Self {
             ln_likelihood: observers.iter().zip(&x).map(|(o, x)| o.ln_likelihood(x)).collect(),
             approximations: observers.iter().zip(&x).map(|(o, x)| Approximation::at(o, x)).collect(),
-            ln_step: SVector::repeat(-1.0),
+            ln_step: [SVector::repeat(-1.0); 2],
             spare: None,
             observers,
             population,
@@ -224,7 +233,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         sum
     }
 
-    fn redraw_observers(&mut self, warming: bool) {
+    fn redraw_observers(&mut self, iteration: usize, warming: bool) {
         let mut precision = SVector::<f64, D>::repeat(1.0);
         for axis in 0..D - 1 {
             precision[axis] = self.sd[axis].powi(-2);
@@ -247,9 +256,11 @@ impl<'a, const D: usize> Walker<'a, D> {
             let ln_proposal = (distance(self.x[observer]) - distance(to)) / (INFLATION * INFLATION);
             self.try_move(observer, to, &mut ln_prior, ln_proposal);
 
-            // Random walk: where the likelihood is far from normal it still moves.
-            let to = self.x[observer] + self.step(&factor) * (2.0 / (D as f64).sqrt());
-            self.try_move(observer, to, &mut ln_prior, 0.0);
+            // Random walk now and then: where the likelihood is far from normal it still moves.
+            if (iteration + observer) % 4 == 0 {
+                let to = self.x[observer] + self.step(&factor) * (2.0 / (D as f64).sqrt());
+                self.try_move(observer, to, &mut ln_prior, 0.0);
+            }
 
             if warming {
                 let x = self.x[observer];
@@ -347,17 +358,19 @@ impl<'a, const D: usize> Walker<'a, D> {
         from
     }
 
-    /// Move a coordinate's mean and SD with the standardised observers held: x' = mean' + sd' (x − mean)/sd.
+    /// Move a coordinate's mean or SD with the standardised observers held: x' = mean' + sd' (x − mean)/sd.
     ///
     /// In (mean, ln SD, standardised) coordinates the observers' prior does not change, so that only the likelihood and
     /// the priors of mean and SD decide, with the Jacobian of ln SD.
-    fn move_standardised(&mut self, axis: usize, adapting: Option<usize>) {
-        let step = self.ln_step[axis].exp();
-        let n = self.x.len() as f64;
-        // The unit must not depend on what moves with the mean, or the move would not be reversible.
-        let unit = self.population.sd_scale[axis] / n.sqrt();
-        let mean = self.mean[axis] + step * unit * self.normal();
-        let sd = self.sd[axis] * (step * self.normal()).exp();
+    fn move_standardised(&mut self, part: Part, axis: usize, adapting: Option<usize>) {
+        // Steps of many sizes: an SD near 0 may move far in its logarithm, a large one may not.
+        let size = (self.ln_step[part as usize][axis] + self.normal()).exp() * self.normal();
+        let (mut mean, mut sd) = (self.mean[axis], self.sd[axis]);
+        match part {
+            // The unit must not depend on what moves with the mean, or the move would not be reversible.
+            Part::Mean => mean += size * self.population.sd_scale[axis] / (self.x.len() as f64).sqrt(),
+            Part::Sd => sd *= size.clamp(-20.0, 20.0).exp(),
+        }
         let mut ratio = f64::NEG_INFINITY;
         if (1e-7..1e3).contains(&sd) {
             let moved: Vec<SVector<f64, D>> = self
@@ -387,7 +400,8 @@ impl<'a, const D: usize> Walker<'a, D> {
         if let Some(iteration) = adapting {
             let rate = if ratio.is_finite() { ratio.min(0.0).exp() } else { 0.0 };
             let gain = 2.0 / (1.0 + iteration as f64 / 10.0).sqrt();
-            self.ln_step[axis] = (self.ln_step[axis] + gain * (rate - 0.35)).clamp(-6.0, 2.0);
+            let step = &mut self.ln_step[part as usize][axis];
+            *step = (*step + gain * (rate - 0.4)).clamp(-6.0, 2.0);
         }
     }
 }
