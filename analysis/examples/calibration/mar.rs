@@ -169,11 +169,7 @@ pub fn print(fits: usize) {
         println!("| --- | --- | --- | --- | --- | --- |");
         for c in simulate(fits, SEED, &priors, per_level, truth) {
             let ((chi2, p), (distance, p_distance)) = (c.uniformity(), c.distance());
-            println!(
-                "| {} | {:.4} | {chi2:.1} | {p:.3} | {distance:.4} | {p_distance:.3} |",
-                c.name,
-                c.coverage()
-            );
+            println!("| {} | {:.4} | {chi2:.1} | {p:.3} | {distance:.4} | {p_distance:.3} |", c.name, c.coverage());
         }
         println!();
     }

@@ -7,9 +7,7 @@
 
 use super::data::{Data, FitError};
 use super::goodness::binomial;
-use super::maximum_likelihood::{
-    Curves, LARGEST_LAPSE, LN_WIDTH, Maximum, ModelSize, chi_square_p, maximise,
-};
+use super::maximum_likelihood::{Curves, LARGEST_LAPSE, LN_WIDTH, Maximum, ModelSize, chi_square_p, maximise};
 use super::{MarFitConfig, MarTrial};
 use experiments::mar::{WIDTH_SCALE, standard_normal_cdf};
 use rand::SeedableRng;
@@ -173,8 +171,7 @@ pub struct Linearity {
 /// # Ok::<(), analysis::mar::linearity::LinearityError>(())
 /// ```
 pub fn test_linearity(trials: &[MarTrial], config: &LinearityConfig) -> Result<Linearity, LinearityError> {
-    let single =
-        MarFitConfig { guess: config.guess, finest_mar: config.finest_mar.clone(), ..MarFitConfig::default() };
+    let single = MarFitConfig { guess: config.guess, finest_mar: config.finest_mar.clone(), ..MarFitConfig::default() };
     let data = Data::new(trials, &single)?;
     let eccentricities_deg: Vec<f64> =
         data.rings.iter().filter(|ring| !ring.counts.is_empty()).map(|ring| ring.eccentricity_deg).collect();
@@ -363,9 +360,8 @@ impl Shape {
 
     /// ln MAR at 0 and at the far end, from the mean level of the nearest and the farthest ring.
     fn rising_start(&self, data: &Data) -> (f64, f64) {
-        let mean = |counts: &[super::data::Count]| {
-            counts.iter().map(|c| c.ln_omega).sum::<f64>() / counts.len().max(1) as f64
-        };
+        let mean =
+            |counts: &[super::data::Count]| counts.iter().map(|c| c.ln_omega).sum::<f64>() / counts.len().max(1) as f64;
         let mut shown = data.rings.iter().filter(|ring| !ring.counts.is_empty());
         let first = shown.next();
         let last = shown.next_back();

@@ -33,6 +33,7 @@ mod posterior;
 mod sampler;
 mod support;
 mod thresholds;
+pub mod two_stage;
 
 use experiments::mar::MarModel;
 use serde::{Deserialize, Serialize};

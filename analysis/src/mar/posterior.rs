@@ -126,8 +126,8 @@ impl<'a> Posterior<'a> {
         }
         let ln_q = self.ln_upper_tail(z);
         let lapse = self.lapse_at(ln_q);
-        let prior = self.ln_lapse_prior(lapse) + self.ln_lapse_slope(z, ln_q)
-            - 0.5 * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        let prior =
+            self.ln_lapse_prior(lapse) + self.ln_lapse_slope(z, ln_q) - 0.5 * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         let theta = Vector4::new(
             self.center[0] + self.spread[0] * x[0],
             self.center[1] + self.spread[1] * x[1],

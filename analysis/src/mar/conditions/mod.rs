@@ -45,11 +45,7 @@ pub struct ConditionsConfig {
 impl Default for ConditionsConfig {
     /// Differences up to a factor of 7 either way (SD 1 of the logarithm), SDs between observers half-t of scale 0.2.
     fn default() -> Self {
-        Self {
-            hierarchical: HierarchicalConfig::default(),
-            difference_spread: [1.0; 3],
-            difference_sd_scale: [0.2; 3],
-        }
+        Self { hierarchical: HierarchicalConfig::default(), difference_spread: [1.0; 3], difference_sd_scale: [0.2; 3] }
     }
 }
 
@@ -270,8 +266,9 @@ fn by_observer<'a>(conditions: &'a [Condition], config: &ConditionsConfig) -> Re
     for (index, condition) in conditions.iter().enumerate() {
         for given in &condition.observers {
             let single = single_config(config, given, 0);
-            let data = Data::new(&given.trials, &single)
-                .map_err(|source| named(conditions, index, HierarchicalError::Observer { id: given.id.clone(), source }))?;
+            let data = Data::new(&given.trials, &single).map_err(|source| {
+                named(conditions, index, HierarchicalError::Observer { id: given.id.clone(), source })
+            })?;
             let part = Seen { condition: index, given, data };
             match seen.iter_mut().find(|(id, _)| *id == given.id) {
                 Some((_, parts)) => parts.push(part),
@@ -306,8 +303,11 @@ fn contrasts(
     let fits: Vec<MarFit> = parts
         .iter()
         .map(|part| {
-            fit_mar(&part.given.trials, &single_config(config, part.given, seed.wrapping_mul(31) + part.condition as u64))
-                .map_err(|error| (part.condition, error))
+            fit_mar(
+                &part.given.trials,
+                &single_config(config, part.given, seed.wrapping_mul(31) + part.condition as u64),
+            )
+            .map_err(|error| (part.condition, error))
         })
         .collect::<Result<_, _>>()?;
     let Some((reference, others)) = fits.split_first() else { return Ok(Vec::new()) };

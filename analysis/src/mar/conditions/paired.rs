@@ -42,8 +42,7 @@ pub(super) fn paired(
     config: &ConditionsConfig,
 ) -> Option<PairedContrast> {
     let of_two = |condition: usize| condition == 0 || condition == index;
-    let group: Vec<_> =
-        seen.iter().filter(|(_, parts)| parts.iter().any(|part| of_two(part.condition))).collect();
+    let group: Vec<_> = seen.iter().filter(|(_, parts)| parts.iter().any(|part| of_two(part.condition))).collect();
     if group.is_empty() {
         return None;
     }

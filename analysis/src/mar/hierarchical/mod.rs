@@ -241,10 +241,8 @@ pub fn fit_hierarchical(
 
     // The chains' targets: the same likelihood, with the population in place of the priors.
     let single = single_config(config, &[], 0);
-    let targets: Vec<Observer<'_>> = alone
-        .iter()
-        .map(|(data, _)| Observer { conditions: vec![(Posterior::new(data, &single), 0.0)] })
-        .collect();
+    let targets: Vec<Observer<'_>> =
+        alone.iter().map(|(data, _)| Observer { conditions: vec![(Posterior::new(data, &single), 0.0)] }).collect();
     let starts: Vec<Vector4<f64>> = alone.iter().map(|(_, unpooled)| unpooled.start).collect();
     let priors = [config.priors.m, config.priors.omega0, config.priors.width];
     let population = Population {
@@ -273,7 +271,9 @@ pub fn fit_hierarchical(
                 let shrunken = |axis: usize, alone: Estimate, precision: f64| Shrunken {
                     alone,
                     pooled: estimate(draws(&chains).map(|(chain, i)| chain.observers[i][index][axis].exp())),
-                    shrinkage: share(draws(&chains).map(|(chain, i)| 1.0 / (1.0 + precision * chain.sd[i][axis].powi(2)))),
+                    shrinkage: share(
+                        draws(&chains).map(|(chain, i)| 1.0 / (1.0 + precision * chain.sd[i][axis].powi(2))),
+                    ),
                 };
                 let target = &targets[index].conditions[0].0;
                 ObserverEstimate {
@@ -297,7 +297,10 @@ pub fn fit_hierarchical(
 }
 
 /// Each observer's data and own fit, in parallel.
-fn alone(observers: &[ObserverTrials], config: &HierarchicalConfig) -> Result<Vec<(Data, Unpooled)>, HierarchicalError> {
+fn alone(
+    observers: &[ObserverTrials],
+    config: &HierarchicalConfig,
+) -> Result<Vec<(Data, Unpooled)>, HierarchicalError> {
     observers
         .par_iter()
         .enumerate()
@@ -342,9 +345,8 @@ pub(super) fn check(observers: &[ObserverTrials], config: &HierarchicalConfig) -
 }
 
 pub(super) fn check_lengths(chains: usize, warmup: usize, draws: usize) -> Result<(), HierarchicalError> {
-    let bad = |field, expected, found: usize| {
-        Err(HierarchicalError::BadConfig { field, expected, found: found as f64 })
-    };
+    let bad =
+        |field, expected, found: usize| Err(HierarchicalError::BadConfig { field, expected, found: found as f64 });
     if !(2..=64).contains(&chains) {
         return bad("chains", "from 2 to 64", chains);
     }

@@ -3,9 +3,9 @@
 //! An observer's coordinates are `D` numbers, of which the last is the working lapse z with its own fixed prior and the
 //! others are normal in the population, independently of each other. One iteration (a) redraws every observer, by an
 //! independence proposal from the normal approximation of their conditional posterior and by a random walk in its metric,
-//! (b) redraws population SDs with the means integrated out, then the means, and (c) moves one coordinate's mean and SD
-//! with the *standardised* observers held (the ancillary half of an interweaving, Yu & Meng 2011), without which chains
-//! stick where SDs are small against what single observers tell.
+//! (b) redraws population SDs with the means integrated out, then the means, and (c) moves the means with the observers'
+//! deviations held, and one SD with the standardised observers held (the ancillary half of an interweaving, Yu & Meng
+//! 2011), without which chains stick where SDs are small against what single observers tell.
 
 use super::super::posterior::Posterior;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
@@ -117,15 +117,8 @@ impl<const D: usize> Approximation<D> {
     }
 }
 
-/// What an ancillary move moves.
-#[derive(Debug, Clone, Copy)]
-enum Part {
-    Mean,
-    Sd,
-}
-
-/// The independence proposal is this much wider than the normal approximation.
-const INFLATION: f64 = 1.2;
+/// Degrees of freedom of the independence proposal: its tails must be heavier than the posterior's.
+const PROPOSAL_DF: usize = 4;
 
 struct Walker<'a, const D: usize> {
     observers: &'a [Observer<'a>],
@@ -137,8 +130,8 @@ struct Walker<'a, const D: usize> {
     mean: SVector<f64, D>,
     sd: SVector<f64, D>,
     approximations: Vec<Approximation<D>>,
-    /// ln of the ancillary moves' steps, per part and coordinate.
-    ln_step: [SVector<f64, D>; 2],
+    /// ln of the step of an SD's logarithm, per coordinate.
+    ln_step: SVector<f64, D>,
 }
 
 /// Run one chain from `starts` (one point per observer); `index` spreads the starting SDs.
@@ -156,8 +149,13 @@ pub(in super::super) fn run_chain<const D: usize>(
         let warming = iteration < length.warmup;
         walker.redraw_observers(iteration, warming);
         walker.redraw_population();
-        for part in [Part::Mean, Part::Sd] {
-            walker.move_standardised(part, iteration % (D - 1), warming.then_some(iteration));
+        if iteration % 2 == 0 {
+            walker.move_means();
+        } else {
+            walker.nudge_mean(iteration / 2 % (D - 1));
+        }
+        for axis in [iteration % (D - 1), (iteration + 1) % (D - 1)] {
+            walker.scale_deviations(axis, warming.then_some(iteration));
         }
         if warming && [length.warmup / 5, length.warmup / 2].contains(&iteration) {
             walker.recentre();
@@ -192,7 +190,7 @@ impl<'a, const D: usize> Walker<'a, D> {
         Self {
             ln_likelihood: observers.iter().zip(&x).map(|(o, x)| o.ln_likelihood(x)).collect(),
             approximations: observers.iter().zip(&x).map(|(o, x)| Approximation::at(o, x)).collect(),
-            ln_step: [SVector::repeat(-1.0); 2],
+            ln_step: SVector::repeat(-1.0),
             spare: None,
             observers,
             population,
@@ -249,16 +247,15 @@ impl<'a, const D: usize> Walker<'a, D> {
             let center = factor.solve(&linear);
             let mut ln_prior = self.ln_prior(observer, &self.x[observer]);
 
-            // Independence: from the approximation itself.
-            let step = self.step(&factor) * INFLATION;
-            let to = center + step;
-            let distance = |x: SVector<f64, D>| 0.5 * (factor.l().transpose() * (x - center)).norm_squared();
-            let ln_proposal = (distance(self.x[observer]) - distance(to)) / (INFLATION * INFLATION);
-            self.try_move(observer, to, &mut ln_prior, ln_proposal);
+            // Independence: from the approximation itself, with Student's tails.
+            let from = self.x[observer];
+            let (to, ln_ratio) = self.propose(&factor, &center, &from, D);
+            self.try_move(observer, to, &mut ln_prior, ln_ratio);
 
             // Random walk now and then: where the likelihood is far from normal it still moves.
-            if (iteration + observer) % 4 == 0 {
-                let to = self.x[observer] + self.step(&factor) * (2.0 / (D as f64).sqrt());
+            if (iteration + observer) % 2 == 0 {
+                let size = 2.0 / (D as f64).sqrt() * (0.7 * self.normal()).exp();
+                let to = self.x[observer] + self.step(&factor) * size;
                 self.try_move(observer, to, &mut ln_prior, 0.0);
             }
 
@@ -310,7 +307,8 @@ impl<'a, const D: usize> Walker<'a, D> {
             let ln_density = |ln_sd: f64| {
                 let sd = ln_sd.exp();
                 let around = spread * spread + sd * sd / n;
-                population.ln_sd_prior(axis, sd) + ln_sd - (n - 1.0) * ln_sd
+                population.ln_sd_prior(axis, sd) + ln_sd
+                    - (n - 1.0) * ln_sd
                     - 0.5 * square / (sd * sd)
                     - 0.5 * (average - center).powi(2) / around
                     - 0.5 * around.ln()
@@ -358,50 +356,123 @@ impl<'a, const D: usize> Walker<'a, D> {
         from
     }
 
-    /// Move a coordinate's mean or SD with the standardised observers held: x' = mean' + sd' (x − mean)/sd.
+    /// Move all means at once with the observers' deviations from them held: x' = mean' + (x − mean).
     ///
-    /// In (mean, ln SD, standardised) coordinates the observers' prior does not change, so that only the likelihood and
-    /// the priors of mean and SD decide, with the Jacobian of ln SD.
-    fn move_standardised(&mut self, part: Part, axis: usize, adapting: Option<usize>) {
-        // Steps of many sizes: an SD near 0 may move far in its logarithm, a large one may not.
-        let size = (self.ln_step[part as usize][axis] + self.normal()).exp() * self.normal();
-        let (mut mean, mut sd) = (self.mean[axis], self.sd[axis]);
-        match part {
-            // The unit must not depend on what moves with the mean, or the move would not be reversible.
-            Part::Mean => mean += size * self.population.sd_scale[axis] / (self.x.len() as f64).sqrt(),
-            Part::Sd => sd *= size.clamp(-20.0, 20.0).exp(),
+    /// In (mean, deviations) coordinates the observers' prior does not change, so that only the likelihood and the means'
+    /// priors decide. The proposal is the sum of the observers' normal approximations.
+    fn move_means(&mut self) {
+        let mut precision = SMatrix::<f64, D, D>::zeros();
+        let mut linear = SVector::<f64, D>::zeros();
+        let mut mean = self.mean;
+        mean[D - 1] = 0.0;
+        for (approximation, x) in self.approximations.iter().zip(&self.x) {
+            precision += approximation.information;
+            linear += approximation.linear - approximation.information * (x - mean);
         }
+        for axis in 0..D - 1 {
+            precision[(axis, axis)] += self.population.spread[axis].powi(-2);
+            linear[axis] += self.population.center[axis] * self.population.spread[axis].powi(-2);
+        }
+        // The lapses stay.
+        precision.row_mut(D - 1).fill(0.0);
+        precision.column_mut(D - 1).fill(0.0);
+        precision[(D - 1, D - 1)] = 1.0;
+        linear[D - 1] = 0.0;
+        let Some(factor) = precision.cholesky() else { return };
+        let center = factor.solve(&linear);
+        let (mut to, ln_ratio) = self.propose(&factor, &center, &mean, D - 1);
+        let moved: Vec<SVector<f64, D>> = self.x.iter().map(|x| x - mean + to).collect();
+        let ln_prior = |mean: &SVector<f64, D>| {
+            (0..D - 1).map(|axis| self.population.ln_mean_prior(axis, mean[axis])).sum::<f64>()
+        };
+        let prior = ln_prior(&to) - ln_prior(&mean);
+        if let Some(likelihoods) = self.accepted(&moved, prior - ln_ratio).0 {
+            self.x = moved;
+            self.ln_likelihood = likelihoods;
+            to[D - 1] = self.mean[D - 1];
+            self.mean = to;
+        }
+    }
+
+    /// Move one mean by a random walk of many step sizes, deviations held: the normal approximations end where a parameter
+    /// hardly matters any more, as omega0 does far below every level.
+    fn nudge_mean(&mut self, axis: usize) {
+        let unit =
+            self.population.sd_scale[axis].max(0.3 * self.population.spread[axis]) / (self.x.len() as f64).sqrt();
+        let step = unit * self.normal().exp() * self.normal();
+        let mut moved = self.x.clone();
+        for x in &mut moved {
+            x[axis] += step;
+        }
+        let mean = self.mean[axis];
+        let prior = self.population.ln_mean_prior(axis, mean + step) - self.population.ln_mean_prior(axis, mean);
+        if let Some(likelihoods) = self.accepted(&moved, prior).0 {
+            self.x = moved;
+            self.ln_likelihood = likelihoods;
+            self.mean[axis] += step;
+        }
+    }
+
+    /// Move one coordinate's SD with the *standardised* observers held: x' = mean + sd' (x − mean)/sd; the Jacobian is that
+    /// of ln SD.
+    fn scale_deviations(&mut self, axis: usize, adapting: Option<usize>) {
+        // Steps of many sizes: an SD near 0 may move far in its logarithm, a large one may not.
+        let step = (self.ln_step[axis] + self.normal()).exp() * self.normal();
+        let (mean, from) = (self.mean[axis], self.sd[axis]);
+        let sd = from * step.clamp(-20.0, 20.0).exp();
         let mut ratio = f64::NEG_INFINITY;
         if (1e-7..1e3).contains(&sd) {
-            let moved: Vec<SVector<f64, D>> = self
-                .x
-                .iter()
-                .map(|x| {
-                    let mut to = *x;
-                    to[axis] = mean + sd * (x[axis] - self.mean[axis]) / self.sd[axis];
-                    to
-                })
-                .collect();
-            let likelihoods: Vec<f64> =
-                self.observers.iter().zip(&moved).map(|(observer, x)| observer.ln_likelihood(x)).collect();
-            ratio = likelihoods.iter().zip(&self.ln_likelihood).map(|(new, old)| new - old).sum::<f64>()
-                + self.population.ln_mean_prior(axis, mean)
-                - self.population.ln_mean_prior(axis, self.mean[axis])
-                + self.population.ln_sd_prior(axis, sd)
-                - self.population.ln_sd_prior(axis, self.sd[axis])
-                + (sd / self.sd[axis]).ln();
-            if self.accepts(ratio) {
+            let mut moved = self.x.clone();
+            for x in &mut moved {
+                x[axis] = mean + sd * (x[axis] - mean) / from;
+            }
+            let prior =
+                self.population.ln_sd_prior(axis, sd) - self.population.ln_sd_prior(axis, from) + (sd / from).ln();
+            let (likelihoods, at) = self.accepted(&moved, prior);
+            ratio = at;
+            if let Some(likelihoods) = likelihoods {
                 self.x = moved;
                 self.ln_likelihood = likelihoods;
-                self.mean[axis] = mean;
                 self.sd[axis] = sd;
             }
         }
         if let Some(iteration) = adapting {
             let rate = if ratio.is_finite() { ratio.min(0.0).exp() } else { 0.0 };
             let gain = 2.0 / (1.0 + iteration as f64 / 10.0).sqrt();
-            let step = &mut self.ln_step[part as usize][axis];
-            *step = (*step + gain * (rate - 0.4)).clamp(-6.0, 2.0);
+            self.ln_step[axis] = (self.ln_step[axis] + gain * (rate - 0.4)).clamp(-6.0, 2.0);
         }
+    }
+
+    /// The likelihoods of all observers at `moved`, if the move is accepted, and the ln ratio; `ln_other` is the ratio's
+    /// part beside the likelihood.
+    fn accepted(&mut self, moved: &[SVector<f64, D>], ln_other: f64) -> (Option<Vec<f64>>, f64) {
+        let likelihoods: Vec<f64> =
+            self.observers.iter().zip(moved).map(|(observer, x)| observer.ln_likelihood(x)).collect();
+        let gain: f64 = likelihoods.iter().zip(&self.ln_likelihood).map(|(new, old)| new - old).sum();
+        let ratio = gain + ln_other;
+        (self.accepts(ratio).then_some(likelihoods), ratio)
+    }
+
+    /// A Student step around `center` with the inverse of the factored matrix as scale, and ln q(to) − ln q(from). Only the
+    /// first `dims` coordinates move; the others, on which the matrix must be diagonal, stay at the centre.
+    fn propose(
+        &mut self,
+        factor: &Cholesky<f64, Const<D>>,
+        center: &SVector<f64, D>,
+        from: &SVector<f64, D>,
+        dims: usize,
+    ) -> (SVector<f64, D>, f64) {
+        let chi_square: f64 = (0..PROPOSAL_DF).map(|_| self.normal().powi(2)).sum();
+        let df = PROPOSAL_DF as f64;
+        let mut to = center + self.step(factor) * (df / chi_square.max(1e-12)).sqrt();
+        for axis in dims..D {
+            to[axis] = center[axis];
+        }
+        let lower = factor.l();
+        let ln_density = |x: &SVector<f64, D>| {
+            let distance = lower.tr_mul(&(x - center)).norm_squared();
+            -0.5 * (df + dims as f64) * (distance / df).ln_1p()
+        };
+        (to, ln_density(&to) - ln_density(from))
     }
 }
