@@ -1,7 +1,7 @@
 //! The population's change between two conditions: the hierarchical fit in seven coordinates.
 
-use super::super::hierarchical::sampler::{self, Chain, Length, Observer, Population};
-use super::super::hierarchical::{Diagnostics, GroupEstimate, diagnose, draws, estimate, group_estimate};
+use super::super::hierarchical::sampler::{Observer, Population};
+use super::super::hierarchical::{Diagnostics, GroupEstimate, draws, estimate, group_estimate, settled_chains};
 use super::super::posterior::Posterior;
 use super::super::{Estimate, unpooled};
 use super::{ByObserver, Change, Condition, ConditionsConfig, change_of_pairs, single_config};
@@ -90,12 +90,8 @@ pub(super) fn paired(
         population.spread[3 + axis] = config.difference_spread[axis];
         population.sd_scale[3 + axis] = config.difference_sd_scale[axis];
     }
-    let length = Length { warmup: base.warmup, draws: base.draws };
     let seed = base.seed.wrapping_add(1000 * index as u64);
-    let chains: Vec<Chain<7>> = (0..base.chains)
-        .into_par_iter()
-        .map(|chain| sampler::run_chain(&observers, &population, &starts, length, seed, chain))
-        .collect();
+    let (chains, diagnostics) = settled_chains(&observers, &population, &starts, base, seed);
 
     let change = |axis: usize| {
         let pairs: Vec<(f64, f64)> = draws(&chains)
@@ -121,6 +117,6 @@ pub(super) fn paired(
         observers_m_ratio: (0..observers.len())
             .map(|who| estimate(draws(&chains).map(|(chain, i)| chain.observers[i][who][3].exp())))
             .collect(),
-        diagnostics: diagnose(&chains),
+        diagnostics,
     })
 }

@@ -13,6 +13,14 @@ pub struct Diagnostics {
     pub draws: usize,
 }
 
+impl Diagnostics {
+    /// R-hat at most 1.05 and at least 100 effective draws.
+    #[must_use]
+    pub fn settled(&self) -> bool {
+        self.max_r_hat <= 1.05 && self.least_ess >= 100.0
+    }
+}
+
 /// R-hat and effective size of one quantity from its chains, all of one length.
 pub(in super::super) fn r_hat_and_ess(chains: &[Vec<f64>]) -> (f64, f64) {
     let halves: Vec<&[f64]> = chains

@@ -24,7 +24,7 @@ use super::posterior::Posterior;
 use super::{Estimate, LogNormal, MarFitConfig, MarPriors, MarTrial, Unpooled};
 use crate::numerics::{quantile_of_sorted, sorted_finite};
 use experiments::mar::MarModel;
-use nalgebra::Vector4;
+use nalgebra::{SVector, Vector4};
 use rayon::prelude::*;
 use sampler::{Chain, Length, Observer, Population};
 use serde::{Deserialize, Serialize};
@@ -79,7 +79,7 @@ pub struct HierarchicalConfig {
     pub chains: usize,
     /// Iterations of each chain that adapt and are thrown away, at least 50.
     pub warmup: usize,
-    /// Iterations of each chain that are kept, at least 100.
+    /// Iterations of each chain that are kept, at least 100. Chains that do not settle are run once more, four times as long.
     pub draws: usize,
 }
 
@@ -251,14 +251,9 @@ pub fn fit_hierarchical(
         sd_scale: Vector4::from_fn(|axis, _| config.priors.sd_scale.get(axis).copied().unwrap_or(1.0)),
         sd_df: config.priors.sd_df,
     };
-    let length = Length { warmup: config.warmup, draws: config.draws };
-    let chains: Vec<Chain<4>> = (0..config.chains)
-        .into_par_iter()
-        .map(|index| sampler::run_chain(&targets, &population, &starts, length, config.seed, index))
-        .collect();
+    let (chains, diagnostics) = settled_chains(&targets, &population, &starts, config, config.seed);
 
     let group = |axis: usize| group_estimate(&chains, axis, config.seed);
-    let diagnostics = diagnose(&chains);
     let mut fit = HierarchicalFit {
         m: group(0),
         omega0: group(1),
@@ -294,6 +289,30 @@ pub fn fit_hierarchical(
     };
     fit.warnings = warnings(&fit);
     Ok(fit)
+}
+
+/// Chains that have not settled are run again, this much longer.
+const LONGER: usize = 4;
+
+/// Run the chains, and once more and longer if they do not agree.
+pub(super) fn settled_chains<const D: usize>(
+    observers: &[Observer<'_>],
+    population: &Population<D>,
+    starts: &[SVector<f64, D>],
+    config: &HierarchicalConfig,
+    seed: u64,
+) -> (Vec<Chain<D>>, Diagnostics) {
+    let run = |times: usize| {
+        let length = Length { warmup: config.warmup * times, draws: config.draws * times };
+        let chains: Vec<Chain<D>> = (0..config.chains)
+            .into_par_iter()
+            .map(|index| sampler::run_chain(observers, population, starts, length, seed, index))
+            .collect();
+        let diagnostics = diagnose(&chains);
+        (chains, diagnostics)
+    };
+    let (chains, diagnostics) = run(1);
+    if diagnostics.settled() { (chains, diagnostics) } else { run(LONGER) }
 }
 
 /// Each observer's data and own fit, in parallel.
@@ -404,7 +423,7 @@ pub(super) fn group_estimate<const D: usize>(chains: &[Chain<D>], axis: usize, s
     }
 }
 
-pub(super) fn diagnose<const D: usize>(chains: &[Chain<D>]) -> Diagnostics {
+fn diagnose<const D: usize>(chains: &[Chain<D>]) -> Diagnostics {
     let (mut max_r_hat, mut least_ess) = (1.0f64, f64::INFINITY);
     for axis in 0..D - 1 {
         let means: Vec<Vec<f64>> = chains.iter().map(|c| c.mean.iter().map(|v| v[axis]).collect()).collect();
@@ -457,7 +476,7 @@ fn warnings(fit: &HierarchicalFit) -> Vec<String> {
             ));
         }
     }
-    if fit.diagnostics.max_r_hat > 1.05 || fit.diagnostics.least_ess < 100.0 {
+    if !fit.diagnostics.settled() {
         warnings.push(format!(
             "The chains have not settled (R-hat {:.2}, {:.0} effective draws): raise draws before using the numbers.",
             fit.diagnostics.max_r_hat, fit.diagnostics.least_ess
