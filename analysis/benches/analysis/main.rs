@@ -3,6 +3,7 @@
 //! It measures and judges nothing; the limits that the project has set itself are named beside each benchmark.
 
 mod gaze;
+mod mar;
 mod psychometric;
 mod quest_plus;
 mod rules;
@@ -18,6 +19,7 @@ fn main() {
         .measurement_time(Duration::from_secs(4))
         .configure_from_args();
     gaze::bench(&mut criterion);
+    mar::bench(&mut criterion);
     psychometric::bench(&mut criterion);
     quest_plus::bench(&mut criterion);
     rules::bench(&mut criterion);

@@ -155,7 +155,7 @@ fn count(trials: &[MarTrial], config: &MarFitConfig) -> Vec<Cell> {
     cells
 }
 
-fn check_config(config: &MarFitConfig) -> Result<(), FitError> {
+pub(super) fn check_config(config: &MarFitConfig) -> Result<(), FitError> {
     let bad = |field, expected, found| Err(FitError::BadConfig { field, expected, found });
     if !(0.0..=0.95).contains(&config.guess) {
         return bad("guess", "a probability from 0 to 0.95", config.guess);

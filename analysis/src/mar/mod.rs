@@ -21,19 +21,26 @@
 //! Such thresholds are returned as limits ([`Threshold::limited`]), and an intercept below everything that the display
 //! could show is flagged as extrapolated ([`MarFit::display_limited`]).
 
+pub mod conditions;
 mod data;
+mod elementary;
 mod goodness;
+pub mod hierarchical;
+pub mod linearity;
 mod maximum;
+mod maximum_likelihood;
 mod posterior;
 mod sampler;
 mod support;
 mod thresholds;
+pub mod two_stage;
 
 use experiments::mar::MarModel;
 use serde::{Deserialize, Serialize};
 
 pub use data::{Cell, FitError};
 pub use goodness::Goodness;
+pub use maximum_likelihood::{LARGEST_LAPSE, ModelSize};
 pub use support::Support;
 pub use thresholds::Threshold;
 
@@ -246,33 +253,16 @@ pub fn fit_mar(trials: &[MarTrial], config: &MarFitConfig) -> Result<MarFit, Fit
     let map = maximum::map(&target, &modes);
 
     let models: Vec<MarModel> = sample.points.iter().map(|x| target.model(x)).collect();
-    let estimate = |value: fn(&MarModel) -> f64| {
-        let values: Vec<f64> = models.iter().map(value).collect();
-        let [low, middle, high] = weighted_quantiles(&values, &sample.weights, [0.025, 0.5, 0.975]);
-        Estimate { estimate: middle, ci95: [low, high] }
-    };
-    let moments = |value: fn(&MarModel) -> f64| {
-        let mean: f64 = models.iter().zip(&sample.weights).map(|(x, w)| w * value(x)).sum();
-        let square: f64 = models.iter().zip(&sample.weights).map(|(x, w)| w * (value(x) - mean).powi(2)).sum();
-        Moments { mean, sd: square.sqrt() }
-    };
-
-    let omega0 = estimate(|p| p.omega0_deg);
-    let moments = PosteriorMoments {
-        ln_m: moments(|p| p.m.ln()),
-        ln_omega0: moments(|p| p.omega0_deg.ln()),
-        ln_width: moments(|p| p.width.ln()),
-        lapse: moments(|p| p.lapse),
-    };
+    let Marginals { m, omega0, width, lapse, moments } = marginals(&models, &sample.weights);
     let finest = config.finest_mar.iter().map(|&(_, omega)| omega).fold(f64::INFINITY, f64::min);
     let kept = sample.resample(KEPT_DRAWS);
     let posterior: Vec<MarModel> = kept.into_iter().map(|index| models[index]).collect();
     let goodness = goodness::goodness(&data, &map, &posterior, config);
     let mut fit = MarFit {
-        m: estimate(|p| p.m),
+        m,
         omega0,
-        width: estimate(|p| p.width),
-        lapse: estimate(|p| p.lapse),
+        width,
+        lapse,
         display_limited: finest.is_finite() && omega0.estimate < finest,
         thresholds: thresholds::thresholds(&data, &target, &sample, config),
         goodness,
@@ -291,4 +281,68 @@ pub fn fit_mar(trials: &[MarTrial], config: &MarFitConfig) -> Result<MarFit, Fit
     fit.support = support::support(&fit);
     fit.warnings = support::warnings(&fit);
     Ok(fit)
+}
+
+/// What the four parameters' marginal distributions say.
+struct Marginals {
+    m: Estimate,
+    omega0: Estimate,
+    width: Estimate,
+    lapse: Estimate,
+    moments: PosteriorMoments,
+}
+
+fn marginals(models: &[MarModel], weights: &[f64]) -> Marginals {
+    let estimate = |value: fn(&MarModel) -> f64| {
+        let values: Vec<f64> = models.iter().map(value).collect();
+        let [low, middle, high] = weighted_quantiles(&values, weights, [0.025, 0.5, 0.975]);
+        Estimate { estimate: middle, ci95: [low, high] }
+    };
+    let moments = |value: fn(&MarModel) -> f64| {
+        let mean: f64 = models.iter().zip(weights).map(|(x, w)| w * value(x)).sum();
+        let square: f64 = models.iter().zip(weights).map(|(x, w)| w * (value(x) - mean).powi(2)).sum();
+        Moments { mean, sd: square.sqrt() }
+    };
+    Marginals {
+        m: estimate(|p| p.m),
+        omega0: estimate(|p| p.omega0_deg),
+        width: estimate(|p| p.width),
+        lapse: estimate(|p| p.lapse),
+        moments: PosteriorMoments {
+            ln_m: moments(|p| p.m.ln()),
+            ln_omega0: moments(|p| p.omega0_deg.ln()),
+            ln_width: moments(|p| p.width.ln()),
+            lapse: moments(|p| p.lapse),
+        },
+    }
+}
+
+/// One observer's own fit, as far as a group's fit needs it.
+struct Unpooled {
+    m: Estimate,
+    omega0: Estimate,
+    width: Estimate,
+    /// Posterior SDs of ln m, ln omega0, ln width.
+    sd_ln: [f64; 3],
+    /// Posterior mean of (ln m, ln omega0, ln width, working lapse): where chains start.
+    start: nalgebra::Vector4<f64>,
+}
+
+impl Unpooled {
+    /// What the observer's trials alone tell of a logarithm: the posterior's precision less the prior's, not below 0.
+    fn precision(&self, axis: usize, priors: &MarPriors) -> f64 {
+        let prior = [priors.m, priors.omega0, priors.width][axis].sd_ln.powi(-2);
+        (self.sd_ln[axis].max(1e-6).powi(-2) - prior).max(0.0)
+    }
+}
+
+fn unpooled(data: &data::Data, config: &MarFitConfig) -> Unpooled {
+    let target = posterior::Posterior::new(data, config);
+    let modes = maximum::working_modes(&target);
+    let sample = sampler::sample(&target, &modes, config);
+    let models: Vec<MarModel> = sample.points.iter().map(|x| target.model(x)).collect();
+    let Marginals { m, omega0, width, moments, .. } = marginals(&models, &sample.weights);
+    let moments = [moments.ln_m, moments.ln_omega0, moments.ln_width];
+    let start = nalgebra::Vector4::new(moments[0].mean, moments[1].mean, moments[2].mean, sample.moments(3).0);
+    Unpooled { m, omega0, width, sd_ln: moments.map(|m| m.sd), start }
 }

@@ -6,7 +6,8 @@
 
 use super::MarFitConfig;
 use super::data::{Data, Ring};
-use crate::numerics::{LN_SQRT_TAU, ln_add_exp, normal_cdf_pair, normal_pdf};
+use super::elementary::{Ln, NormalCdf};
+use crate::numerics::{LN_SQRT_TAU, ln_add_exp, normal_pdf};
 use experiments::mar::{MarModel, WIDTH_SCALE};
 use nalgebra::{Matrix4, Vector4};
 
@@ -15,14 +16,14 @@ const FLOOR: f64 = f64::MIN_POSITIVE;
 
 /// ln ψ and ln(1 − ψ) of one cell weigh the counts; both stay finite.
 #[inline]
-pub(super) fn cell_ln_likelihood(correct: f64, wrong: f64, guess: f64, lapse: f64, cdf: (f64, f64)) -> f64 {
+pub(super) fn cell_ln_likelihood(ln: Ln, correct: f64, wrong: f64, guess: f64, lapse: f64, cdf: (f64, f64)) -> f64 {
     let rise = 1.0 - guess - lapse;
     let mut sum = 0.0;
     if correct > 0.0 {
-        sum += correct * (guess + rise * cdf.0).max(FLOOR).ln();
+        sum += correct * ln.of((guess + rise * cdf.0).max(FLOOR));
     }
     if wrong > 0.0 {
-        sum += wrong * (lapse + rise * cdf.1).max(FLOOR).ln();
+        sum += wrong * ln.of((lapse + rise * cdf.1).max(FLOOR));
     }
     sum
 }
@@ -45,6 +46,9 @@ pub(super) struct Posterior<'a> {
     pub(super) spread: [f64; 3],
     pub(super) lapse_beta: [f64; 2],
     lapse_power: f64,
+    ln_slope_scale: f64,
+    normal: NormalCdf,
+    ln: Ln,
 }
 
 impl<'a> Posterior<'a> {
@@ -57,6 +61,9 @@ impl<'a> Posterior<'a> {
             spread: priors.map(|p| p.sd_ln),
             lapse_beta: config.priors.lapse_beta,
             lapse_power: config.priors.lapse_beta[1] * (1.0 - config.guess),
+            ln_slope_scale: -config.priors.lapse_beta[1].ln(),
+            normal: NormalCdf::new(),
+            ln: Ln::new(),
         }
     }
 
@@ -77,13 +84,22 @@ impl<'a> Posterior<'a> {
 
     /// λ of a working coordinate z.
     pub(super) fn lapse(&self, z: f64) -> f64 {
-        -(1.0 - self.guess) * (ln_upper_tail(z) / self.lapse_power).exp_m1()
+        self.lapse_at(self.ln_upper_tail(z))
+    }
+
+    fn lapse_at(&self, ln_q: f64) -> f64 {
+        -(1.0 - self.guess) * (ln_q / self.lapse_power).exp_m1()
     }
 
     /// ln(dλ/dz).
-    fn ln_lapse_slope(&self, z: f64) -> f64 {
-        let ln_q = ln_upper_tail(z);
-        ((1.0 - self.guess) / self.lapse_power).ln() + ln_q / self.lapse_power - 0.5 * z * z - LN_SQRT_TAU - ln_q
+    fn ln_lapse_slope(&self, z: f64, ln_q: f64) -> f64 {
+        self.ln_slope_scale + ln_q / self.lapse_power - 0.5 * z * z - LN_SQRT_TAU - ln_q
+    }
+
+    /// ln(1 − Φ(z)), for |z| ≤ 37.
+    fn ln_upper_tail(&self, z: f64) -> f64 {
+        let (lower, upper) = self.normal.pair(z);
+        if z < 0.0 { (-lower).ln_1p() } else { self.ln.of(upper.max(FLOOR)) }
     }
 
     /// ln prior density of λ, without its constant.
@@ -98,28 +114,39 @@ impl<'a> Posterior<'a> {
         if z.abs() > 37.0 {
             return f64::NEG_INFINITY;
         }
-        self.ln_lapse_prior(self.lapse(z)) + self.ln_lapse_slope(z)
+        let ln_q = self.ln_upper_tail(z);
+        self.ln_lapse_prior(self.lapse_at(ln_q)) + self.ln_lapse_slope(z, ln_q)
     }
 
     /// ln posterior density over the working coordinates, without its constant.
     pub(super) fn ln_density(&self, x: &Vector4<f64>) -> f64 {
-        let prior = self.ln_z_prior(x[3]) - 0.5 * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-        if prior == f64::NEG_INFINITY {
-            return prior;
+        let z = x[3];
+        if z.abs() > 37.0 {
+            return f64::NEG_INFINITY;
         }
-        prior + self.ln_likelihood(&self.natural(x))
+        let ln_q = self.ln_upper_tail(z);
+        let lapse = self.lapse_at(ln_q);
+        let prior =
+            self.ln_lapse_prior(lapse) + self.ln_lapse_slope(z, ln_q) - 0.5 * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        let theta = Vector4::new(
+            self.center[0] + self.spread[0] * x[0],
+            self.center[1] + self.spread[1] * x[1],
+            self.center[2] + self.spread[2] * x[2],
+            lapse,
+        );
+        prior + self.ln_likelihood(&theta)
     }
 
     /// ln likelihood of θ.
     pub(super) fn ln_likelihood(&self, theta: &Vector4<f64>) -> f64 {
-        let (guess, lapse) = (self.guess, theta[3]);
+        let (guess, lapse, ln, normal) = (self.guess, theta[3], self.ln, self.normal);
         let scale = WIDTH_SCALE * (-theta[2]).exp();
         let mut sum = 0.0;
         for ring in self.rings {
             let ln_threshold = ln_add_exp(theta[0] + ring.ln_e, theta[1]);
             for count in &ring.counts {
-                let cdf = normal_cdf_pair(scale * (count.ln_omega - ln_threshold));
-                sum += cell_ln_likelihood(count.correct, count.wrong, guess, lapse, cdf);
+                let cdf = normal.pair(scale * (count.ln_omega - ln_threshold));
+                sum += cell_ln_likelihood(ln, count.correct, count.wrong, guess, lapse, cdf);
             }
         }
         sum
@@ -127,7 +154,7 @@ impl<'a> Posterior<'a> {
 
     /// ln likelihood of θ with its gradient and expected information in θ.
     pub(super) fn scored_likelihood(&self, theta: &Vector4<f64>) -> Scored {
-        let (guess, lapse) = (self.guess, theta[3]);
+        let (guess, lapse, ln, normal) = (self.guess, theta[3], self.ln, self.normal);
         let rise = 1.0 - guess - lapse;
         let scale = WIDTH_SCALE * (-theta[2]).exp();
         let mut scored = Scored { value: 0.0, gradient: Vector4::zeros(), information: Matrix4::zeros() };
@@ -137,8 +164,8 @@ impl<'a> Posterior<'a> {
             let share_omega0 = (theta[1] - ln_threshold).exp();
             for count in &ring.counts {
                 let t = scale * (count.ln_omega - ln_threshold);
-                let cdf = normal_cdf_pair(t);
-                scored.value += cell_ln_likelihood(count.correct, count.wrong, guess, lapse, cdf);
+                let cdf = normal.pair(t);
+                scored.value += cell_ln_likelihood(ln, count.correct, count.wrong, guess, lapse, cdf);
 
                 // dψ/dθ, then the binomial score (k − nψ)/(ψ(1 − ψ)) and information n/(ψ(1 − ψ)).
                 let slope = rise * normal_pdf(t);
@@ -157,12 +184,6 @@ impl<'a> Posterior<'a> {
 
 pub(super) fn model_from_natural(theta: &Vector4<f64>) -> MarModel {
     MarModel { m: theta[0].exp(), omega0_deg: theta[1].exp(), width: theta[2].exp(), lapse: theta[3] }
-}
-
-/// ln(1 − Φ(z)), for |z| ≤ 37.
-fn ln_upper_tail(z: f64) -> f64 {
-    let (lower, upper) = normal_cdf_pair(z);
-    if z < 0.0 { (-lower).ln_1p() } else { upper.max(FLOOR).ln() }
 }
 
 #[cfg(test)]

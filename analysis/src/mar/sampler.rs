@@ -6,9 +6,10 @@
 //! so weights are bounded by the likelihood and no data set can break the integration, only slow it down.
 
 use super::MarFitConfig;
+use super::elementary::{Exp, Ln};
 use super::maximum::Mode;
 use super::posterior::Posterior;
-use crate::numerics::{ln_sum_exp, normal_quantile};
+use crate::numerics::normal_quantile;
 use nalgebra::{Matrix4, Vector4};
 
 /// Weighted points that stand for the posterior; weights sum to one.
@@ -21,7 +22,7 @@ pub(super) struct Sample {
 impl Sample {
     /// Kish's effective sample size, 1/Σw².
     pub(super) fn ess(&self) -> f64 {
-        1.0 / self.weights.iter().map(|w| w * w).sum::<f64>()
+        effective_size(&self.weights)
     }
 
     /// Mean and standard deviation of one working coordinate.
@@ -56,7 +57,7 @@ const MOST: usize = 6;
 pub(super) fn sample(target: &Posterior<'_>, modes: &[Mode], config: &MarFitConfig) -> Sample {
     let mut points: Vec<Vector4<f64>> = Vec::new();
     let mut densities: Vec<f64> = Vec::new();
-    let mut rounds: Vec<(Mixture, usize)> = Vec::new();
+    let mut rounds: Vec<Round> = Vec::new();
     let mut sequence = Sequence::new(config.seed);
     let mut mixture = Mixture::around(modes);
     let mut size = config.draws / 4;
@@ -64,14 +65,20 @@ pub(super) fn sample(target: &Posterior<'_>, modes: &[Mode], config: &MarFitConf
         let from = points.len();
         mixture.draw(size, &mut sequence, &mut points);
         densities.extend(points[from..].iter().map(|x| target.ln_density(x)));
-        rounds.push((mixture.clone(), points.len() - from));
+        // Every round's mixture is asked once about every point.
+        for round in &mut rounds {
+            round.ln_density.extend(points[from..].iter().map(|x| round.mixture.ln_density(x)));
+        }
+        let ln_density = points.iter().map(|x| mixture.ln_density(x)).collect();
+        rounds.push(Round { mixture: mixture.clone(), size: points.len() - from, ln_density });
 
-        let ln_weights = ln_mixture_weights(&points, &densities, &rounds);
-        let sample = Sample { weights: normalised(&ln_weights, 1.0), points: points.clone() };
+        let ln_weights = ln_mixture_weights(&densities, &rounds);
+        let weights = normalised(&ln_weights, 1.0);
+        let ess = effective_size(&weights);
         let total = points.len();
         let goal = ENOUGH_ESS.min(0.25 * config.draws as f64);
-        if (total >= config.draws && sample.ess() >= goal) || total + size > MOST * config.draws {
-            return sample;
+        if (total >= config.draws && ess >= goal) || total + size > MOST * config.draws {
+            return Sample { points, weights };
         }
         let adapting = tempered(&ln_weights, 200.0);
         mixture = mixture.refitted(&points, &adapting);
@@ -79,20 +86,34 @@ pub(super) fn sample(target: &Posterior<'_>, modes: &[Mode], config: &MarFitConf
     }
 }
 
+/// A proposal, how many points it gave, and its ln density at all points so far.
+struct Round {
+    mixture: Mixture,
+    size: usize,
+    ln_density: Vec<f64>,
+}
+
 /// Weights of all points so far against the pooled proposal of all rounds.
-fn ln_mixture_weights(points: &[Vector4<f64>], densities: &[f64], rounds: &[(Mixture, usize)]) -> Vec<f64> {
-    let total = points.len() as f64;
+fn ln_mixture_weights(densities: &[f64], rounds: &[Round]) -> Vec<f64> {
+    let total = densities.len() as f64;
+    let shares: Vec<f64> = rounds.iter().map(|round| (round.size as f64 / total).ln()).collect();
     let mut terms = vec![0.0; rounds.len()];
-    points
+    let (exp, ln) = (Exp::new(), Ln::new());
+    densities
         .iter()
-        .zip(densities)
-        .map(|(x, density)| {
-            for (term, (mixture, n)) in terms.iter_mut().zip(rounds) {
-                *term = (*n as f64 / total).ln() + mixture.ln_density(x);
+        .enumerate()
+        .map(|(index, density)| {
+            for ((term, round), share) in terms.iter_mut().zip(rounds).zip(&shares) {
+                *term = share + round.ln_density[index];
             }
-            density - ln_sum_exp(&terms)
+            density - exp.ln_sum(ln, &terms)
         })
         .collect()
+}
+
+/// Kish's effective sample size, 1/Σw².
+fn effective_size(weights: &[f64]) -> f64 {
+    1.0 / weights.iter().map(|w| w * w).sum::<f64>()
 }
 
 /// exp(power · ln w), normalised; uniform if nothing has weight.
@@ -112,7 +133,7 @@ fn tempered(ln_weights: &[f64], ess: f64) -> Vec<f64> {
     let mut power = 1.0;
     loop {
         let weights = normalised(ln_weights, power);
-        if power < 0.01 || 1.0 / weights.iter().map(|w| w * w).sum::<f64>() >= ess.min(0.2 * weights.len() as f64) {
+        if power < 0.01 || effective_size(&weights) >= ess.min(0.2 * weights.len() as f64) {
             return weights;
         }
         power *= 0.7;
@@ -187,7 +208,7 @@ impl Mixture {
         for (term, component) in terms.iter_mut().zip(&self.0) {
             *term = component.ln_density(x);
         }
-        ln_sum_exp(&terms[..self.0.len().min(16)])
+        Exp::new().ln_sum(Ln::new(), &terms[..self.0.len().min(16)])
     }
 
     /// Append `n` points, each component in proportion to its share.
@@ -210,7 +231,7 @@ impl Mixture {
         let mut responsibilities = vec![vec![0.0; points.len()]; self.0.len()];
         for (index, (x, weight)) in points.iter().zip(weights).enumerate() {
             let total = self.ln_density(x);
-            for (row, component) in responsibilities.iter_mut().zip(&self.0) {
+            for (row, component) in responsibilities.iter_mut().zip(&self.0).skip(1) {
                 row[index] = weight * (component.ln_density(x) - total).exp();
             }
         }

@@ -5,10 +5,11 @@
 //! (width, lapse) nodes and, for each eccentricity, a fine one-dimensional grid of ln threshold.
 
 use super::data::{Data, Ring};
+use super::elementary::{Exp, Ln, NormalCdf};
 use super::posterior::{Posterior, cell_ln_likelihood};
 use super::sampler::Sample;
 use super::{LogNormal, MarFitConfig};
-use crate::numerics::{ln_add_exp, ln_sum_exp, normal_cdf_pair};
+use crate::numerics::{ln_add_exp, ln_sum_exp};
 use experiments::mar::WIDTH_SCALE;
 use serde::{Deserialize, Serialize};
 
@@ -119,14 +120,15 @@ impl Row {
     fn new(ring: &Ring, nodes: &[Node], target: &Posterior<'_>, config: &MarFitConfig) -> Self {
         let prior = threshold_prior(ring, target, config);
         let guess = config.guess;
+        let (normal, ln, exp) = (NormalCdf::new(), Ln::new(), Exp::new());
         let ln_prior = |ln_t: f64| -0.5 * ((ln_t - prior.median.ln()) / prior.sd_ln).powi(2);
         let ln_posterior = |ln_t: f64, node: &Node| {
             let likelihood: f64 = ring
                 .counts
                 .iter()
                 .map(|c| {
-                    let cdf = normal_cdf_pair(node.scale * (c.ln_omega - ln_t));
-                    cell_ln_likelihood(c.correct, c.wrong, guess, node.lapse, cdf)
+                    let cdf = normal.pair(node.scale * (c.ln_omega - ln_t));
+                    cell_ln_likelihood(ln, c.correct, c.wrong, guess, node.lapse, cdf)
                 })
                 .sum();
             likelihood + ln_prior(ln_t)
@@ -166,9 +168,9 @@ impl Row {
                 // Φ depends on the width alone and is shared by all lapse nodes.
                 let mut sums = [priors[point]; NODES];
                 for c in &ring.counts {
-                    let cdf = normal_cdf_pair(scale * (c.ln_omega - ln_t));
+                    let cdf = normal.pair(scale * (c.ln_omega - ln_t));
                     for (sum, node) in sums.iter_mut().zip(&nodes[row * NODES..]) {
-                        *sum += cell_ln_likelihood(c.correct, c.wrong, guess, node.lapse, cdf);
+                        *sum += cell_ln_likelihood(ln, c.correct, c.wrong, guess, node.lapse, cdf);
                     }
                 }
                 for (column, sum) in sums.iter().enumerate() {
@@ -176,16 +178,17 @@ impl Row {
                 }
             }
         }
-        let ln_evidence = ln_density.chunks_exact(GRID).map(ln_sum_exp).collect();
+        let ln_evidence = ln_density.chunks_exact(GRID).map(|row| exp.ln_sum(ln, row)).collect();
         Self { grid, ln_density, ln_evidence }
     }
 
     /// Quantiles of ln threshold under node weights: cumulative by Simpson-like cubic, inverted linearly in between.
     fn quantiles<const N: usize>(&self, weights: &[f64], probabilities: [f64; N]) -> [f64; N] {
         let mut density = vec![0.0; GRID];
+        let exp = Exp::new();
         for ((values, weight), evidence) in self.ln_density.chunks_exact(GRID).zip(weights).zip(&self.ln_evidence) {
             for (sum, value) in density.iter_mut().zip(values) {
-                *sum += weight * (value - evidence).exp();
+                *sum += weight * exp.of((value - evidence).min(0.0));
             }
         }
         let cumulative = cumulative(&density);
