@@ -6,7 +6,7 @@
 mod rows;
 
 use analysis::answers::Row;
-use analysis::psychometric::{Direction, Psychometric, Scale};
+use analysis::psychometric::{Direction, Psychometric, PsychometricConfig};
 use analysis::rules::guenter::{Options, Test, Thresholds, thresholds};
 use analysis::rules::tursun::{self, PairChance};
 use analysis::rules::{Bootstrap, FirstPassed, OverObservers};
@@ -19,8 +19,11 @@ const J: std::ops::RangeInclusive<i32> = 8..=22;
 
 /// An observer who calls the reference better half of the time at this index.
 fn noticed(threshold: f64, width: f64, lapse: f64) -> impl Fn(f64) -> f64 {
-    let truth = Psychometric { threshold, width, lapse, guess: 0.0 };
-    move |j| truth.probability(j, Scale::Linear, Direction::Falls)
+    let truth = Psychometric { threshold, width, lapse, guess: 0.0, overdispersion: 0.0 };
+    move |j| {
+        truth
+            .probability(j, &PsychometricConfig { direction: Direction::Falls, ..PsychometricConfig::TWO_ALTERNATIVES })
+    }
 }
 
 fn expected(trials: u32, noticed: impl Fn(f64) -> f64) -> FirstPassed {

@@ -7,6 +7,7 @@
 mod blocks;
 mod methods;
 mod page;
+pub mod results;
 mod sections;
 mod tables;
 

@@ -3,6 +3,8 @@
 //! Sessions of one observer are summed up together, block by block, and their ring trials fitted to the MAR line; practice,
 //! aborted and unanswered trials are left out.
 
+pub mod over_observers;
+
 use crate::error::LabError;
 use crate::session::SessionFolder;
 use analysis::answers::{BlockSummary, Protocol, Row, Summary, summarise};
@@ -22,8 +24,12 @@ pub struct ObserverResult<'a> {
     pub sessions: Vec<&'a SessionFolder>,
     /// The joint fit of the MAR line, where forced choices about rings were answered.
     pub fit: Option<MarFit>,
+    /// The trials of that fit.
+    pub mar_trials: Vec<MarTrial>,
     /// What the answers of each block come to, in the order in which blocks were first run.
     pub blocks: Vec<BlockSummary>,
+    /// The answered trials of each block, in the blocks' order.
+    pub rows: Vec<Vec<Row>>,
     /// Forms that were filled in.
     pub forms: Vec<FormSummary>,
     /// Whether any of the sessions was a pilot run, which analyses and reports then say first.
@@ -172,13 +178,16 @@ fn observer_result<'a>(observer: &str, sessions: Vec<&'a SessionFolder>) -> Resu
     let answers = blocks(&sessions);
     let trials: Vec<MarTrial> = answers.iter().flat_map(|(_, block)| block.mar.iter().copied()).collect();
     let fit = if trials.is_empty() { None } else { Some(mar_fit(observer, first, &trials)?) };
-    let blocks = answers
+    let (blocks, rows) = answers
         .into_iter()
-        .map(|((study, block), answers)| BlockSummary {
-            in_mar_fit: fit.is_some() && !answers.mar.is_empty(),
-            ..summarise(&study, &block, answers.protocol, &answers.rows)
+        .map(|((study, block), answers)| {
+            let summary = BlockSummary {
+                in_mar_fit: fit.is_some() && !answers.mar.is_empty(),
+                ..summarise(&study, &block, answers.protocol, &answers.rows)
+            };
+            (summary, answers.rows)
         })
-        .collect();
+        .unzip();
     let forms = sessions.iter().flat_map(|session| {
         session.record.forms.iter().map(|form| FormSummary {
             session: session.name(),
@@ -191,8 +200,10 @@ fn observer_result<'a>(observer: &str, sessions: Vec<&'a SessionFolder>) -> Resu
         forms: forms.collect(),
         pilot: sessions.iter().any(|session| is_pilot(session)),
         sessions,
+        mar_trials: if fit.is_some() { trials } else { Vec::new() },
         fit,
         blocks,
+        rows,
     })
 }
 
