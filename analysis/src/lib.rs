@@ -8,6 +8,7 @@
 //! - [`psychometric`] fits one function on one variable, and [`answers`] sums up the answers of every protocol, block by
 //!   block: shares, matches, ratings, tasks;
 //! - [`shares`] are proportions with their intervals;
+//! - [`statistics`] are the tests of hypotheses: analysis of variance, t, rank and binomial tests, effect sizes;
 //! - [`gaze`] and [`timing`] summarise where the eyes were and how the frames ran;
 //! - [`summary`] is the JSON document of `parafovea analyze --json`;
 //! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
