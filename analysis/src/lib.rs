@@ -10,6 +10,7 @@
 //! - [`rules`] are the four papers' own ways to a result, beside what they published;
 //! - [`shares`] are proportions with their intervals;
 //! - [`gaze`] and [`timing`] measure where the eyes were and how the frames ran, and flag trials by a stated rule;
+//! - [`statistics`] are the tests of hypotheses: analysis of variance, t, rank and binomial tests, effect sizes;
 //! - [`summary`] is the JSON document of `parafovea analyze --json`;
 //! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
 

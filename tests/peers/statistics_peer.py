@@ -337,8 +337,10 @@ def anovas():
         total = float(((values - values.mean()) ** 2).sum())
         subjects = values.shape[1] * float(((values.mean(1) - values.mean()) ** 2).sum())
         errors = subjects + sum(effect["ss_error"] for effect in effects.values())
-        statsmodels = {row.replace(":", ":"): {"f": float(at["F Value"]), "p": float(at["Pr > F"]), "df": float(at["Num DF"]), "df_error": float(at["Den DF"])}
-                       for row, at in AnovaRM(frame, "y", "subject", within=factors).fit().anova_table.iterrows()}
+        # patsy, under statsmodels, takes a factor called C for its own function.
+        renamed = frame.rename(columns={factor: f"of_{factor}" for factor in factors})
+        statsmodels = {row.replace("of_", ""): {"f": float(at["F Value"]), "p": float(at["Pr > F"]), "df": float(at["Num DF"]), "df_error": float(at["Den DF"])}
+                       for row, at in AnovaRM(renamed, "y", "subject", within=[f"of_{factor}" for factor in factors]).fit().anova_table.iterrows()}
         pingouin = {}
         if len(lengths) == 1:
             at = pg.rm_anova(frame, "y", "A", "subject", detailed=True, correction=True)

@@ -46,9 +46,17 @@ impl EffectSize {
         factor_df: f64,
         confidence: f64,
     ) -> Option<Self> {
-        let ci = noncentrality_limits_of_t(t, df, confidence)?.map(|delta| delta * d_per_t);
+        let limits = noncentrality_limits_of_t(t, df, confidence)?;
+        Some(Self::scaled(standardizer, t * d_per_t, limits.map(|delta| delta * d_per_t), factor_df))
+    }
+
+    /// The same difference over another standard deviation, `ratio` times smaller.
+    pub(super) fn over(&self, standardizer: Standardizer, ratio: f64, factor_df: f64) -> Self {
+        Self::scaled(standardizer, self.d * ratio, self.ci.map(|end| end * ratio), factor_df)
+    }
+
+    fn scaled(standardizer: Standardizer, d: f64, ci: [f64; 2], factor_df: f64) -> Self {
         let factor = (factor_df > 1.0).then(|| hedges_factor(factor_df));
-        let d = t * d_per_t;
-        Some(Self { standardizer, d, ci, g: factor.map(|j| j * d), g_ci: factor.map(|j| ci.map(|end| j * end)) })
+        Self { standardizer, d, ci, g: factor.map(|j| j * d), g_ci: factor.map(|j| ci.map(|end| j * end)) }
     }
 }

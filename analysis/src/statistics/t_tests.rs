@@ -107,9 +107,9 @@ pub fn paired(first: &[f64], second: &[f64], alternative: Alternative, confidenc
     let mut test = of_differences(&differences, alternative, confidence);
     test.design = Design::Paired { n: first.len() };
     let average = (0.5 * (sd(first).powi(2) + sd(second).powi(2))).sqrt();
-    if average > 0.0 {
-        let d_per_t = test.standard_error / average;
-        test.effect_sizes.extend(EffectSize::new(Standardizer::Average, test.t, test.df, d_per_t, test.df, confidence));
+    let of_differences = test.effect_sizes.first().copied();
+    if let Some(effect) = of_differences.filter(|_| average > 0.0) {
+        test.effect_sizes.push(effect.over(Standardizer::Average, sd(&differences) / average, test.df));
     }
     Ok(test)
 }

@@ -162,7 +162,7 @@ fn noncentral_t_lower(t: f64, df: f64, delta: f64) -> (f64, f64) {
     }
     let edge = |mut far: f64| {
         let mut near = top;
-        for _ in 0..40 {
+        for _ in 0..16 {
             let middle = 0.5 * (near + far);
             if ln_integrand(middle) < highest - 44.0 { far = middle } else { near = middle }
         }
@@ -219,7 +219,7 @@ fn noncentral_t_along_normal(t: f64, df: f64, delta: f64) -> (f64, f64) {
 
 /// Where a function with one hill is highest, to a hundredth of the hill's width.
 fn maximum(mut left: f64, mut right: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..60 {
+    for _ in 0..24 {
         let third = (right - left) / 3.0;
         let (a, b) = (left + third, right - third);
         if f(a) < f(b) { left = a } else { right = b }
