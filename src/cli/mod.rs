@@ -18,6 +18,7 @@ mod progress;
 mod render;
 mod replay;
 mod run;
+mod together;
 
 use crate::error::LabError;
 use clap::{Parser, Subcommand};
