@@ -3,7 +3,7 @@
 use super::WIDTH;
 use super::parts::{drawable, nothing};
 use crate::gaze::GazeSample;
-use crate::svg::{Anchor, Axis, Canvas, Paint, Panel, TextStyle, VERMILION, legend};
+use crate::svg::{Anchor, Axis, Canvas, Paint, Panel, TextStyle, VERMILION, legend, text_width};
 use serde::{Deserialize, Serialize};
 
 /// What the gaze is seen against; degrees from the display's centre.
@@ -200,7 +200,8 @@ fn draw_scale(canvas: &mut Canvas, [x, y]: [f64; 2], tall: f64, most: f64) {
         // On a square-root scale the first steps are the widest; the last ones may have no room.
         if before - at > 14.0 {
             canvas.line([x + 12.0, at], [x + 16.0, at], &Paint::ink(1.0));
-            canvas.text([x + 19.0, at + 4.0], &text, TextStyle::new(11.0, Anchor::Start).muted());
+            let left = (x + 19.0).min(WIDTH - 3.0 - text_width(&text, 11.0));
+            canvas.text([left, at + 4.0], &text, TextStyle::new(11.0, Anchor::Start).muted());
             before = at;
         }
     }

@@ -4,7 +4,7 @@ use super::parts::{
     Mark, Multiples, capped, color, drawable, drawable_interval, keys, left_out, line, nothing, remark, sentences,
 };
 use super::{WIDTH, significant};
-use crate::svg::{Anchor, Axis, Canvas, Paint, Panel, TextStyle, inward, shortened, text_width};
+use crate::svg::{Anchor, Axis, Canvas, Paint, Panel, TextStyle, shortened, text_width};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -198,9 +198,10 @@ fn draw_levels(canvas: &mut Canvas, frame: &Panel, plot: &Interaction) {
         let x = frame.corner[0] + (i as f64 + 0.5) * slot;
         canvas.line([x, bottom], [x, bottom + 4.0], &Paint::ink(1.0));
         if i % every == 0 {
-            let text = shortened(level, 12.0, every as f64 * slot - 6.0);
-            let middle = frame.corner[0] + inward(x - frame.corner[0], text_width(&text, 12.0), frame.size[0]);
-            canvas.text([middle, bottom + 18.0], &text, TextStyle::new(12.0, Anchor::Middle).muted());
+            // The first and the last name stay within the panel and half its gap.
+            let edge = (x - frame.corner[0]).min(frame.corner[0] + frame.size[0] - x);
+            let text = shortened(level, 12.0, (every as f64 * slot - 6.0).min(2.0 * edge + 14.0));
+            canvas.text([x, bottom + 18.0], &text, TextStyle::new(12.0, Anchor::Middle).muted());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The MAR lines of several observers with the group's line over them.
 //!
 //! Lines and intervals come in as plain numbers; who fits the group, and how, is no concern of this figure. One observer
-//! with all thresholds in detail is [`super::mar_line`]'s.
+//! with all thresholds in detail is [`super::mar_line()`]'s.
 
 use super::parts::{Mark, color, drawable, drawable_interval, keys, left_out, nothing, remark, sentences};
 use super::{BandPoint, WIDTH, significant};

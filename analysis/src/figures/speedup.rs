@@ -4,7 +4,7 @@
 
 use super::parts::{Mark, drawable, drawable_interval, keys, left_out, nothing, remark};
 use super::{WIDTH, significant};
-use crate::svg::{Anchor, Axis, BLUE, Canvas, GREEN, Paint, Panel, TextStyle, VERMILION};
+use crate::svg::{Anchor, Axis, BLUE, Canvas, GREEN, Paint, Panel, TextStyle, VERMILION, inward, text_width};
 use serde::{Deserialize, Serialize};
 
 /// The savings at one quality. All ratios are full resolution over foveated, so that larger saves more.
@@ -130,7 +130,9 @@ fn draw_slopes(canvas: &mut Canvas, panel: &Panel, product: f64) {
         let at = panel.px(quality, 0.0)[0];
         canvas.line([at, y - 4.0], [at, y], &Paint::ink(1.0));
         let style = TextStyle::new(12.0, Anchor::Middle).muted();
-        canvas.text([at, y - 9.0], &crate::text::significant(product / quality, 2), style);
+        let text = crate::text::significant(product / quality, 2);
+        let middle = x + inward(at - x, text_width(&text, 12.0), panel.size[0]);
+        canvas.text([middle, y - 9.0], &text, style);
     }
     let label = format!("Slope m = {}/j (degrees per cycle per degree)", significant(product).trim_end_matches('0'));
     canvas.text([x + 0.5 * panel.size[0], y - 27.0], &label, TextStyle::new(13.0, Anchor::Middle));
