@@ -19,5 +19,7 @@ for (term in setdiff(rownames(tests), "(Intercept)")) {
   row <- c(tests[term, "Sum Sq"], tests[term, "num Df"], tests[term, "Error SS"], tests[term, "den Df"],
            tests[term, "F value"], tests[term, "Pr(>F)"], of(adjusted, 1), of(adjusted, 2), of(adjusted, 3),
            of(adjusted, 4), of(sphericity, 1))
+  # Of one contrast, car has no epsilon and prints p values of 0 beside it.
+  if (is.na(row[7])) row[7:11] <- NA
   cat(term, ",", paste(ifelse(is.na(row), "NA", formatC(row, digits = 17, format = "g", width = -1)), collapse = ","), "\n", sep = "")
 }

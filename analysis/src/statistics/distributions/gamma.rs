@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 
 /// lnΓ(z + 1) − (z + ½) ln z + z − ½ ln 2π at z = 0, ½, 1 … 15 (0 stands for its infinite limit and is not used), by
 /// mpmath with 40 digits.
-#[expect(clippy::excessive_precision, reason = "the digits as printed")]
 const AT_HALVES: [f64; 31] = [
     0.0,
     0.15342640972002736,

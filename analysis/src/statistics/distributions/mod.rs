@@ -134,8 +134,8 @@ mod tests {
             let exact = 1.0 / (root * (root + t));
             assert!((two / exact - 1.0).abs() < 1e-13, "{t}: {two} against {exact}");
         }
-        for (x, d) in [(0.01, 3.0), (2.0, 7.0), (50.0, 40.0), (1e6, 90.0)] {
-            let exact = (1.0 + 2.0 * x / d as f64).powf(-d / 2.0);
+        for (x, d) in [(0.01, 3.0f64), (2.0, 7.0), (50.0, 40.0), (1e6, 90.0)] {
+            let exact = (1.0 + 2.0 * x / d).powf(-d / 2.0);
             assert!((f(x, 2.0, d).unwrap().upper / exact - 1.0).abs() < 1e-12);
         }
         for x in [1e-12, 0.5, 3.0, 100.0, 1400.0f64] {

@@ -6,6 +6,7 @@
 /// last digit where the function allows it.
 pub(super) fn increasing_root(mut low: f64, mut high: f64, start: f64, f: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut x = if start > low && start < high { start } else { 0.5 * (low + high) };
+    let width = high - low;
     for _ in 0..200 {
         let (value, slope) = f(x);
         if value == 0.0 {
@@ -16,12 +17,13 @@ pub(super) fn increasing_root(mut low: f64, mut high: f64, start: f64, f: impl F
         } else {
             high = x;
         }
-        let step = value / slope;
-        let newton = x - step;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        // Newton's steps shrink quadratically: once one is this small, the next would change nothing.
-        let close = 1e-15 * x.abs().max(f64::MIN_POSITIVE);
-        if (next - x).abs() <= close || high - low <= close {
+        let newton = x - value / slope;
+        let inside = newton > low && newton < high;
+        let next = if inside { newton } else { 0.5 * (low + high) };
+        // Newton's steps shrink quadratically: after one of 1e-10, the next would be below the last digit. Waiting for
+        // that would only follow the rounding of `f`.
+        let close = if inside { 1e-10 * x.abs() + 1e-13 * width } else { 1e-15 * x.abs() };
+        if (next - x).abs() <= close {
             return next;
         }
         x = next;
