@@ -1,11 +1,14 @@
 //! What `fit` answers: its JSON document and its tables.
 
 use super::table::Group;
+use crate::error::LabError;
 use analysis::mar::Estimate;
 use analysis::psychometric::{
-    Comparison, Direction, PsychometricConfig, PsychometricError, PsychometricFit, PsychometricPosterior, Scale,
-    goodness_of_fit, likelihood_fit,
+    Comparison, Direction, Guess, Lapse, Overdispersion, PsychometricConfig, PsychometricError, PsychometricFit,
+    PsychometricPosterior, Scale, Sigmoid, goodness_of_fit, likelihood_fit,
 };
+use analysis::report::results::{FunctionFit, functions_section};
+use analysis::report::{Section, page};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -60,6 +63,8 @@ pub(super) struct FitAnswer {
     likelihood: LikelihoodAnswer,
     #[serde(flatten)]
     how: How,
+    #[serde(skip)]
+    posterior: PsychometricPosterior,
 }
 
 /// How a function was fitted and to what.
@@ -168,6 +173,7 @@ fn fit(group: &Group, config: &PsychometricConfig, options: &Options<'_>) -> Res
             seed: options.seed,
             counts: fit.counts,
         },
+        posterior,
     })
 }
 
@@ -185,6 +191,45 @@ impl FitAnswer {
     /// How it was fitted.
     pub(super) fn config(&self) -> &PsychometricConfig {
         &self.how.config
+    }
+
+    /// How it was fitted, as a paper would say it.
+    fn methods(&self, functions: usize) -> String {
+        let config = self.config();
+        let shape = match config.sigmoid {
+            Sigmoid::CumulativeGauss => "cumulative Gaussian".to_owned(),
+            Sigmoid::Logistic => "logistic".to_owned(),
+            Sigmoid::Gumbel => "Gumbel".to_owned(),
+            Sigmoid::ReversedGumbel => "reversed Gumbel".to_owned(),
+            Sigmoid::Weibull => "Weibull".to_owned(),
+            Sigmoid::HyperbolicSecant => "hyperbolic secant".to_owned(),
+            Sigmoid::StudentT { df } => format!("cumulative Student t (df = {df})"),
+        };
+        let axis = if config.scale == Scale::Linear { "level" } else { "logarithm of the level" };
+        let guess = match config.guess {
+            Guess::Fixed(guess) => format!("the guess rate was fixed at {}", short(guess)),
+            Guess::Free => "the guess rate was free".to_owned(),
+            Guess::EqualToLapse => "guess and lapse rate were equal".to_owned(),
+        };
+        let lapse = match config.lapse {
+            Lapse::Free => "the lapse rate was free".to_owned(),
+            Lapse::Fixed(lapse) => format!("the lapse rate was fixed at {}", short(lapse)),
+        };
+        let counts = match config.overdispersion {
+            Overdispersion::Free => "beta-binomial with free overdispersion",
+            Overdispersion::None => "binomial",
+        };
+        let plural = if functions == 1 { "A psychometric function was" } else { "Psychometric functions were" };
+        format!(
+            "{plural} fitted to {} answers{}: a {shape} of the {axis}, ψ = γ + (1 − γ − λ) S((x − threshold)/width), with the \
+             threshold where S is one half and the width from 5 % to 95 % of S; {guess}, {lapse}, and counts were {counts}. \
+             Priors were those of Schütt, Harmeling, Macke and Wichmann (2016). The posterior was integrated on an adaptive \
+             grid; medians with 95 % credible intervals are given. The deviance’s p is from {} data sets simulated from the \
+             maximum-likelihood function and fitted again.",
+            self.n_trials,
+            if functions == 1 { "" } else { " of the first group, and alike to the others" },
+            self.how.simulations
+        )
     }
 
     fn text(&self) -> String {
@@ -279,6 +324,32 @@ fn short(value: f64) -> String {
 impl Document {
     pub(super) fn new(fits: Vec<FitAnswer>, comparison: Option<Comparison>) -> Self {
         Self { fits, comparison, program: format!("parafovea {}", env!("CARGO_PKG_VERSION")) }
+    }
+
+    /// Table and curves for a page.
+    pub(super) fn section(&self, level_label: &str) -> Section {
+        let fits: Vec<FunctionFit<'_>> = self
+            .fits
+            .iter()
+            .map(|fit| FunctionFit {
+                name: fit.group.as_deref().unwrap_or_default(),
+                posterior: &fit.posterior,
+                deviance_p: fit.deviance_p,
+            })
+            .collect();
+        functions_section(&fits, level_label)
+    }
+
+    /// The page: how the fits were made in words, the section, and this document.
+    pub(super) fn page(&self, file: &str, section: Section) -> Result<String, LabError> {
+        let json = serde_json::to_value(self).map_err(|error| LabError::Failed(error.to_string()))?;
+        let mut methods = Section::new("Methods");
+        if let Some(first) = self.fits.first() {
+            methods.prose.push(first.methods(self.fits.len()));
+        }
+        methods.prose.push(format!("Software: {}.", self.program));
+        let title = format!("Psychometric functions of {file}");
+        Ok(page(&title, &[section, methods], &json))
     }
 
     /// The tables for a terminal.

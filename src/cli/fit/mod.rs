@@ -65,8 +65,8 @@ pub(super) struct FitArgs {
     #[arg(long)]
     independent: bool,
     /// Lowest and highest level that could be shown, for the priors; otherwise those in the table.
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 2, allow_negative_numbers = true)]
-    range: Option<Vec<f64>>,
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
     /// Also the level and the slope at these shares of right answers.
     #[arg(long, value_name = "SHARE,...", value_delimiter = ',', value_parser = share)]
     at: Vec<f64>,
@@ -79,6 +79,12 @@ pub(super) struct FitArgs {
     /// Seed of the simulated data sets.
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Write a page with the curves, the tables and the JSON document.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Write the curves as an SVG file.
+    #[arg(long, value_name = "FILE.svg")]
+    figure: Option<PathBuf>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -160,6 +166,14 @@ fn lapse(text: &str) -> Result<Lapse, String> {
     }
 }
 
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let ends: Vec<f64> = text.split(',').filter_map(|end| end.trim().parse().ok()).collect();
+    match ends.as_slice() {
+        &[low, high] if text.split(',').count() == 2 && low < high && (high - low).is_finite() => Ok([low, high]),
+        _ => Err("expected two rising numbers such as 0.5,8".to_owned()),
+    }
+}
+
 fn share(text: &str) -> Result<f64, String> {
     number_in(text, f64::MIN_POSITIVE, 1.0).ok_or_else(|| "expected a share between 0 and 1, such as 0.75".to_owned())
 }
@@ -207,7 +221,7 @@ impl FitArgs {
             guess,
             lapse: self.lapse,
             overdispersion: if blocks && !self.independent { Overdispersion::Free } else { Overdispersion::None },
-            range: self.range.as_ref().map(|range| [range[0], range[1]]),
+            range: self.range,
             ..PsychometricConfig::TWO_ALTERNATIVES
         }
     }
@@ -241,6 +255,7 @@ pub(super) fn run(args: &FitArgs) -> Result<(), LabError> {
     }
     let comparison = compared(args, &groups, &fits)?;
     let document = Document::new(fits, comparison);
+    write_pages(args, &document)?;
     if args.json {
         return print_json(&document);
     }
@@ -273,4 +288,25 @@ fn compared(
     let tested: Vec<Parameter> = args.compare.iter().map(|&parameter| parameter.into()).collect();
     let common = [Parameter::Lapse, Parameter::Guess, Parameter::Overdispersion];
     compare(&counts, &config, &tested, &common).map(Some).map_err(|error| LabError::BadInput(error.to_string()))
+}
+
+/// The page and the figure that were asked for.
+fn write_pages(args: &FitArgs, document: &Document) -> Result<(), LabError> {
+    let write = |path: &PathBuf, text: &str, what: &str| {
+        std::fs::write(path, text).map_err(|error| LabError::io("write", path, &error))?;
+        say(&format!("{what}: {}", path.display()));
+        Ok::<(), LabError>(())
+    };
+    if args.report.is_none() && args.figure.is_none() {
+        return Ok(());
+    }
+    let section = document.section(&args.level);
+    if let Some(path) = &args.figure {
+        let svg = section.figures.first().map_or("", |figure| figure.svg.as_str());
+        write(path, svg, "figure")?;
+    }
+    if let Some(path) = &args.report {
+        write(path, &document.page(&args.table.display().to_string(), section)?, "report")?;
+    }
+    Ok(())
 }

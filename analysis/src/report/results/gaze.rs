@@ -5,7 +5,7 @@ use crate::gaze::events::{EventSummary, Events};
 use crate::gaze::quality::DataQuality;
 use crate::report::page::{Cell, Section, Table};
 use crate::report::tables::{Exclusions, FlaggedTrial, GazeQuality, exclusions_section, gaze_section};
-use crate::timing::flags::FlagReport;
+use crate::timing::flags::{Criterion, FlagReport};
 
 /// What the gaze of one session comes to.
 #[derive(Debug, Clone, Copy)]
@@ -103,10 +103,23 @@ pub fn flags_section(flags: &FlagReport) -> Section {
             .map(|trial| FlaggedTrial {
                 session: trial.id.session.clone(),
                 trial: trial.id.trial,
-                reason: trial.reasons.iter().map(|reason| reason.words.clone()).collect::<Vec<_>>().join(" "),
+                reason: trial.reasons.iter().map(|reason| name(reason.criterion)).collect::<Vec<_>>().join(", "),
                 excluded: false,
             })
             .collect(),
         looked_at: flags.trials.len(),
     })
+}
+
+/// A limit's name, alike for all trials, so that they can be counted by it; each trial's own numbers are in the page's data.
+fn name(criterion: Criterion) -> &'static str {
+    match criterion {
+        Criterion::MissedFrames => "too many missed frames",
+        Criterion::MissedShare => "too large a share of frames missed",
+        Criterion::Interval => "too long between two frames",
+        Criterion::GazeAge => "gaze too old when drawn",
+        Criterion::GazeLoss => "gaze lost too long",
+        Criterion::Deviation => "gaze too far from the target",
+        Criterion::Outside => "gaze outside the region too often",
+    }
 }
