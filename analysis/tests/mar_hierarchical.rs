@@ -34,8 +34,17 @@ fn group_of_csv() -> Vec<ObserverTrials> {
 }
 
 /// tests/peers/mar_hierarchical_peer.py: (name, mean of ln, SD, median of the SD between observers).
-const PEER: [(&str, f64, f64, f64); 3] = [("m", 0.0, 1.0, 1.0), ("omega0", 0.0, 1.0, 1.0), ("width", 0.0, 1.0, 1.0)];
-const PEER_OBSERVERS: [(f64, f64); 6] = [(0.0, 1.0); 6];
+const PEER: [(&str, f64, f64, f64); 3] =
+    [("m", -3.81869, 0.13687, 0.40202), ("omega0", -3.93445, 0.09652, 0.20037), ("width", -0.25807, 0.21557, 0.48601)];
+/// Mean and SD of each observer's ln m.
+const PEER_OBSERVERS: [(f64, f64); 6] = [
+    (-3.40645, 0.04481),
+    (-3.79966, 0.10533),
+    (-3.67760, 0.05459),
+    (-4.02228, 0.09471),
+    (-3.62017, 0.06314),
+    (-4.39619, 0.08001),
+];
 
 #[test]
 fn the_populations_posterior_is_the_peers() {

@@ -187,6 +187,7 @@ fn rule_and_fit_stand_side_by_side_and_the_fit_foretells_the_rule() {
                 scale: Scale::Linear,
                 direction: Direction::Falls,
                 guess: analysis::psychometric::Guess::Fixed(0.0),
+                ..PsychometricConfig::TWO_ALTERNATIVES
             };
             analysis::psychometric::fit_psychometric(&counts, &config).unwrap()
         })

@@ -81,15 +81,20 @@ pub fn assert_uniform(calibrations: &[Calibration], title: &str) {
 pub fn print_table(title: &str, calibrations: &[Calibration], with_ranks: bool) {
     println!("{title}");
     if with_ranks {
-        println!("\n| parameter | coverage of 95 % | χ²(19) of ranks | p | KS distance | p |");
-        println!("| --- | --- | --- | --- | --- | --- |");
+        println!("\n| parameter | coverage of 95 % | mean rank | χ²(19) of ranks | p | KS distance | p |");
+        println!("| --- | --- | --- | --- | --- | --- | --- |");
     } else {
         println!("\n| parameter | coverage of 95 % |\n| --- | --- |");
     }
     for c in calibrations {
         let ((chi2, p), (distance, p_distance)) = (c.uniformity(), c.distance());
         if with_ranks {
-            println!("| {} | {:.4} | {chi2:.1} | {p:.3} | {distance:.4} | {p_distance:.3} |", c.name, c.coverage());
+            let mean = c.ranks.iter().sum::<f64>() / c.ranks.len() as f64;
+            println!(
+                "| {} | {:.4} | {mean:.4} | {chi2:.1} | {p:.3} | {distance:.4} | {p_distance:.3} |",
+                c.name,
+                c.coverage()
+            );
         } else {
             println!("| {} | {:.4} |", c.name, c.coverage());
         }

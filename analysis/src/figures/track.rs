@@ -82,7 +82,8 @@ pub fn adaptive_track(track: &[TrackPoint]) -> String {
                 [left, top],
                 [width, 110.0],
                 x_axis(label[1]),
-                Axis::linear(label[0], 0.0, high * 1.08).with_ticks(4),
+                // Numbers too small for any acuity would have labels too long for the page.
+                Axis::linear(label[0], 0.0, high.max(1e-5) * 1.08).with_ticks(4),
             );
             panel.draw_grid(canvas);
             panel.draw(canvas, |canvas| {
