@@ -13,6 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A function is not fitted to fewer answers.
 const FEWEST_ANSWERS: usize = 12;
+/// Nor to fewer levels, whose width would be the prior's.
+const FEWEST_LEVELS: usize = 3;
 
 /// Right and wrong by level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -186,6 +188,10 @@ fn function(protocol: Option<Protocol>, direction: Direction, counts: &[Count]) 
         return Err(format!("{answers} answers, and a function is fitted to {FEWEST_ANSWERS} or more"));
     }
     let levels: Vec<f64> = counts.iter().map(|count| count.level).collect();
+    // Counts are one for each level.
+    if levels.len() < FEWEST_LEVELS {
+        return Err(format!("answers at {} level(s), and a function needs at least {FEWEST_LEVELS}", levels.len()));
+    }
     let guess = if protocol.is_none_or(Protocol::is_forced_choice) { Guess::Fixed(0.5) } else { Guess::Free };
     let config = PsychometricConfig {
         scale: Scale::of_levels(&levels),
