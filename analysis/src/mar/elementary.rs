@@ -60,7 +60,7 @@ impl Exp {
         // The two parts of ln 2/64 hold k·high exactly.
         const HIGH: f64 = f64::from_bits(0x3f86_2e42_fee0_0000);
         const LOW: f64 = 2.9815858269852933e-12;
-        if !(x > -700.0) {
+        if x.is_nan() || x <= -700.0 {
             return 0.0;
         }
         let steps = (x * (64.0 / LN_2) - 0.5) as i64;
@@ -139,8 +139,7 @@ impl NormalCdf {
     pub(super) fn pair(self, t: f64) -> (f64, f64) {
         let size = t.abs();
         let node = size * PER_UNIT + 0.5;
-        // NaN is not below it either.
-        if !(node < LAST as f64) {
+        if node.is_nan() || node >= LAST as f64 {
             return crate::numerics::normal_cdf_pair(t);
         }
         let node = node as usize;

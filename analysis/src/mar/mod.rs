@@ -5,6 +5,9 @@
 //! interval. Thresholds of single eccentricities come from a second model that does not assume a line. The adaptive
 //! designs that gather the trials live in `experiments`; the pictures of a fit in [`crate::figures`].
 //!
+//! Beside the fit of one observer: [`hierarchical`] fits groups, [`conditions`] compares conditions, [`linearity`] asks whether
+//! the line is one, and [`two_stage`] is the older way, thresholds first and a line after.
+//!
 //! # What the display could not show
 //!
 //! A display shows no detail finer than two of its pixels, `finest_mar`. Two consequences:

@@ -129,7 +129,8 @@ pub fn line_through(thresholds: &[Threshold]) -> Result<TwoStageFit, TwoStageErr
             return bad("mar_deg", "degrees per cycle, finite and above 0", t.mar_deg);
         }
         let width = t.ci95[1] - t.ci95[0];
-        if !t.limited && !(width > 0.0 && width.is_finite()) {
+        let sound = width > 0.0 && width.is_finite();
+        if !(t.limited || sound) {
             return bad("ci95", "an interval with a finite width above 0", width);
         }
     }

@@ -288,8 +288,8 @@ mod tests {
         let mut axis = Axis::gauss([0.0, 0.8], 12);
         axis.mass = normalised(axis.nodes.iter().zip(&axis.weights).map(|(x, w)| w * (1.0 - x).powi(9)).collect());
         let marginal = axis.dense();
-        for p in [0.025, 0.5, 0.975] {
-            let expected = 1.0 - (1.0 - p as f64).powf(0.1);
+        for p in [0.025f64, 0.5, 0.975] {
+            let expected = 1.0 - (1.0 - p).powf(0.1);
             assert!((marginal.quantile(p) - expected).abs() < 1e-3, "{p}: {} {expected}", marginal.quantile(p));
         }
         assert!((marginal.mean - 1.0 / 11.0).abs() < 1e-5);

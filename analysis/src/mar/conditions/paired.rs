@@ -83,9 +83,9 @@ pub(super) fn paired(
         sd_scale: SVector::repeat(1.0),
         sd_df: base.priors.sd_df,
     };
-    for axis in 0..3 {
-        population.center[axis] = priors[axis].median.ln();
-        population.spread[axis] = priors[axis].sd_ln;
+    for (axis, prior) in priors.iter().enumerate() {
+        population.center[axis] = prior.median.ln();
+        population.spread[axis] = prior.sd_ln;
         population.sd_scale[axis] = base.priors.sd_scale[axis];
         population.spread[3 + axis] = config.difference_spread[axis];
         population.sd_scale[3 + axis] = config.difference_sd_scale[axis];

@@ -149,7 +149,7 @@ pub(in super::super) fn run_chain<const D: usize>(
         let warming = iteration < length.warmup;
         walker.redraw_observers(iteration, warming);
         walker.redraw_population();
-        if iteration % 2 == 0 {
+        if iteration.is_multiple_of(2) {
             walker.move_means();
         } else {
             walker.nudge_mean(iteration / 2 % (D - 1));
@@ -253,7 +253,7 @@ impl<'a, const D: usize> Walker<'a, D> {
             self.try_move(observer, to, &mut ln_prior, ln_ratio);
 
             // Random walk now and then: where the likelihood is far from normal it still moves.
-            if (iteration + observer) % 2 == 0 {
+            if (iteration + observer).is_multiple_of(2) {
                 let size = 2.0 / (D as f64).sqrt() * (0.7 * self.normal()).exp();
                 let to = self.x[observer] + self.step(&factor) * size;
                 self.try_move(observer, to, &mut ln_prior, 0.0);
