@@ -15,9 +15,9 @@ fn main() -> ExitCode {
     let number = |index: usize, default: usize| arguments.get(index).and_then(|a| a.parse().ok()).unwrap_or(default);
     match arguments.first().map(String::as_str) {
         Some("mar") => mar::print(number(1, 2000), number(2, mar::SEED as usize) as u64),
-        Some("mar-group") => mar::print_groups(number(1, 400), number(2, 12)),
+        Some("mar-group") => mar::print_groups(number(1, 400), number(2, 12), number(3, mar::SEED as usize) as u64),
         _ => {
-            eprintln!("calibration mar [FITS] [SEED] | mar-group [GROUPS] [OBSERVERS]");
+            eprintln!("calibration mar [FITS] [SEED] | mar-group [GROUPS] [OBSERVERS] [SEED]");
             return ExitCode::from(2);
         }
     }
