@@ -81,7 +81,10 @@ fn bootstraps_agree_with_the_profile() {
         println!("{resampling:?}: {interval:?}, profile {low} – {high}");
         // 800 draws know an end to about 5 % of the width (two standard errors).
         for (end, expected) in interval.iter().zip([low, high]) {
-            assert!((end - expected).abs() < 0.08 * (high - low), "{resampling:?}: {interval:?} against {low} – {high}");
+            assert!(
+                (end - expected).abs() < 0.08 * (high - low),
+                "{resampling:?}: {interval:?} against {low} – {high}"
+            );
         }
     }
 }

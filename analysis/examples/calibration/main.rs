@@ -19,9 +19,9 @@ fn main() -> ExitCode {
     match arguments.first().map(String::as_str) {
         Some("psychometric") => psychometric::print(number(1, 2000)),
         Some("mar") => mar::print(number(1, 2000), number(2, mar::SEED as usize) as u64),
-        Some("mar-group") => mar::print_groups(number(1, 400), number(2, 12)),
+        Some("mar-group") => mar::print_groups(number(1, 400), number(2, 12), number(3, mar::SEED as usize) as u64),
         _ => {
-            eprintln!("calibration psychometric [FITS] | mar [FITS] [SEED] | mar-group [GROUPS] [OBSERVERS]");
+            eprintln!("calibration psychometric [FITS] | mar [FITS] [SEED] | mar-group [GROUPS] [OBSERVERS] [SEED]");
             return ExitCode::from(2);
         }
     }

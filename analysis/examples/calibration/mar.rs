@@ -226,10 +226,10 @@ pub fn simulate_groups(groups: usize, observers: usize, per_level: usize, seed: 
     total
 }
 
-pub fn print_groups(groups: usize, observers: usize) {
-    let c = simulate_groups(groups, observers, 7, SEED);
+pub fn print_groups(groups: usize, observers: usize, seed: u64) {
+    let c = simulate_groups(groups, observers, 7, seed);
     let share = |count: usize| count as f64 / groups as f64;
-    println!("{groups} groups of {observers} observers × 245 trials, seed {SEED}: coverage of 95 % intervals");
+    println!("{groups} groups of {observers} observers × 245 trials, seed {seed}: coverage of 95 % intervals");
     println!("| m | omega0 | width | SD of ln m | SD of ln omega0 | new observer's m | observers' own m |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     println!(
