@@ -55,7 +55,7 @@ fn extra(results: &[ObserverResult<'_>], together: &OverObservers, quality: &Qua
     let fits: Vec<(String, &MarFit)> =
         results.iter().filter_map(|result| Some((result.observer.clone(), result.fit.as_ref()?))).collect();
     let lines: Vec<(String, &Linearity)> =
-        results.iter().filter_map(|result| Some((result.observer.clone(), result.linearity.as_ref()?))).collect();
+        together.linearity.iter().map(|(observer, test)| (observer.clone(), test)).collect();
     let mut page = Vec::new();
     if let Some(group) = &together.group_mar {
         page.push(sections::pooled_section(group, &fits));

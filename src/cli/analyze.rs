@@ -8,11 +8,9 @@ use crate::results::{ObserverResult, document, fit_sessions, silence};
 use crate::session::SessionFolder;
 use analysis::MarFit;
 use analysis::mar::Support;
-use analysis::mar::linearity::Linearity;
 use analysis::summary::Analysis;
 use clap::Args;
 use serde::Serialize;
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -49,7 +47,7 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
     }
     let document = document(&results);
     if args.json {
-        return print_json(&Whole { analysis: &document, linearity: linearity(&results), over_observers: &together });
+        return print_json(&Whole { analysis: &document, over_observers: &together });
     }
     let mut texts: Vec<String> = results.iter().map(table).collect();
     if !document.group.is_empty() {
@@ -64,14 +62,7 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
 struct Whole<'a> {
     #[serde(flatten)]
     analysis: &'a Analysis,
-    /// By observer.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    linearity: BTreeMap<&'a str, &'a Linearity>,
     over_observers: &'a OverObservers,
-}
-
-fn linearity<'a>(results: &'a [ObserverResult<'_>]) -> BTreeMap<&'a str, &'a Linearity> {
-    results.iter().filter_map(|result| Some((result.observer.as_str(), result.linearity.as_ref()?))).collect()
 }
 
 /// One observer's results as a table for a terminal.

@@ -9,7 +9,6 @@ pub mod traces;
 use crate::error::LabError;
 use crate::session::SessionFolder;
 use analysis::answers::{BlockSummary, Protocol, Row, Summary, summarise};
-use analysis::mar::linearity::{Linearity, LinearityConfig, test_linearity};
 use analysis::summary::{Analysis, FormSummary, ObserverSummary};
 use analysis::{MarFit, MarFitConfig, MarTrial, fit_mar};
 use experiments::session::record::TrialRecord;
@@ -26,8 +25,6 @@ pub struct ObserverResult<'a> {
     pub sessions: Vec<&'a SessionFolder>,
     /// The joint fit of the MAR line, where forced choices about rings were answered.
     pub fit: Option<MarFit>,
-    /// Whether the line is one.
-    pub linearity: Option<Linearity>,
     /// The trials of the MAR fit.
     pub mar_trials: Vec<MarTrial>,
     /// What the answers of each block come to, in the order in which blocks were first run.
@@ -204,7 +201,6 @@ fn observer_result<'a>(observer: &str, sessions: Vec<&'a SessionFolder>) -> Resu
         forms: forms.collect(),
         pilot: sessions.iter().any(|session| is_pilot(session)),
         sessions,
-        linearity: fit.as_ref().and_then(|fit| linearity(fit, &trials)),
         mar_trials: if fit.is_some() { trials } else { Vec::new() },
         fit,
         blocks,
@@ -222,17 +218,4 @@ fn mar_fit(observer: &str, session: &SessionFolder, trials: &[MarTrial]) -> Resu
     fit_mar(trials, &config).map_err(|error| {
         LabError::Failed(format!("{observer}: the {} answered trials cannot be fitted: {error}", trials.len()))
     })
-}
-
-/// Simulated data sets behind a bend's p.
-const BEND_SIMULATIONS: usize = 200;
-
-/// The test of the line; nothing for data that it cannot be asked of, such as a single eccentricity.
-fn linearity(fit: &MarFit, trials: &[MarTrial]) -> Option<Linearity> {
-    let config = LinearityConfig {
-        finest_mar: fit.config.finest_mar.clone(),
-        simulations: BEND_SIMULATIONS,
-        ..LinearityConfig::default()
-    };
-    test_linearity(trials, &config).ok()
 }

@@ -3,9 +3,11 @@
 use super::ObserverResult;
 use analysis::answers::{Protocol, Row, Summary};
 use analysis::mar::hierarchical::{HierarchicalConfig, HierarchicalFit, ObserverTrials, fit_hierarchical};
+use analysis::mar::linearity::{Linearity, LinearityConfig, test_linearity};
 use analysis::rules::{Bootstrap, ObserverRows, RuleResult, of_block};
 use analysis::statistics::anova::{Anova, AnovaConfig, Observations, Pairwise, Replicates, pairwise, rm_anova};
 use analysis::statistics::multiple::Adjustment;
+use analysis::{MarFit, MarTrial};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -18,6 +20,9 @@ pub struct OverObservers {
     /// Why there is no pooled line though several observers have trials for one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_group_mar: Option<String>,
+    /// Whether the line of each observer is one, by observer.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub linearity: BTreeMap<String, Linearity>,
     /// Analyses of variance of blocks with factors.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub anovas: Vec<BlockAnova>,
@@ -68,7 +73,11 @@ pub fn over_observers(results: &[ObserverResult<'_>]) -> OverObservers {
         Some(Ok(fit)) => (Some(fit), None),
         Some(Err(reason)) => (None, Some(reason)),
     };
-    OverObservers { group_mar, no_group_mar, anovas: anovas(results), rules: rules(results) }
+    let linearity = results
+        .iter()
+        .filter_map(|result| Some((result.observer.clone(), linearity(result.fit.as_ref()?, &result.mar_trials)?)))
+        .collect();
+    OverObservers { group_mar, no_group_mar, linearity, anovas: anovas(results), rules: rules(results) }
 }
 
 fn pooled(results: &[ObserverResult<'_>]) -> Option<Result<HierarchicalFit, String>> {
@@ -236,4 +245,17 @@ fn value(row: &Row, measure: &str) -> Option<f64> {
         None if measure == RIGHT => row.correct.map(|correct| f64::from(u8::from(correct))),
         None => None,
     }
+}
+
+/// Simulated data sets behind a bend's p.
+const BEND_SIMULATIONS: usize = 200;
+
+/// The test of the line; nothing for data that it cannot be asked of, such as a single eccentricity.
+fn linearity(fit: &MarFit, trials: &[MarTrial]) -> Option<Linearity> {
+    let config = LinearityConfig {
+        finest_mar: fit.config.finest_mar.clone(),
+        simulations: BEND_SIMULATIONS,
+        ..LinearityConfig::default()
+    };
+    test_linearity(trials, &config).ok()
 }
