@@ -8,6 +8,7 @@ pub mod cli;
 pub mod error;
 pub mod export;
 pub mod gaze;
+mod mistakes;
 pub mod power;
 pub mod replay;
 pub mod report;

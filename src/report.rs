@@ -2,12 +2,18 @@
 
 use crate::error::LabError;
 use crate::results::ObserverResult;
+use crate::results::over_observers::OverObservers;
+use crate::results::traces::Quality;
 use crate::session::SessionFolder;
+use analysis::MarFit;
 use analysis::answers::{BlockSummary, Summary};
 use analysis::figures::{self, GazeView, TrackPoint};
 use analysis::gaze::GazeSample;
 use analysis::mar::Estimate;
-use analysis::report::{ReportInput, SessionReport, html};
+use analysis::mar::linearity::Linearity;
+use analysis::report::results::{self as sections, BlockVariance, SessionGaze};
+use analysis::report::{Extra, ReportInput, SessionReport, html_with};
+use analysis::rules::RuleResult;
 use analysis::timing::Frame;
 use experiments::mar::MarModel;
 use experiments::procedures::Belief;
@@ -22,7 +28,12 @@ const NORMAL_95: f64 = 1.959_964;
 ///
 /// # Errors
 /// When a session's tables cannot be read or the page cannot be written.
-pub fn write(results: &[ObserverResult<'_>], path: &Path) -> Result<(), LabError> {
+pub fn write(
+    results: &[ObserverResult<'_>],
+    together: &OverObservers,
+    quality: &Quality,
+    path: &Path,
+) -> Result<(), LabError> {
     let sessions = results.iter().map(session_report).collect::<Result<Vec<_>, _>>()?;
     let title = results
         .first()
@@ -35,7 +46,60 @@ pub fn write(results: &[ObserverResult<'_>], path: &Path) -> Result<(), LabError
         software: Vec::new(),
         sessions,
     };
-    std::fs::write(path, html(&input)).map_err(|error| LabError::io("write", path, &error))
+    let page = html_with(&input, &extra(results, together, quality));
+    std::fs::write(path, page).map_err(|error| LabError::io("write", path, &error))
+}
+
+/// What the page says beyond single observers' fits.
+fn extra(results: &[ObserverResult<'_>], together: &OverObservers, quality: &Quality) -> Extra {
+    let fits: Vec<(String, &MarFit)> =
+        results.iter().filter_map(|result| Some((result.observer.clone(), result.fit.as_ref()?))).collect();
+    let lines: Vec<(String, &Linearity)> =
+        results.iter().filter_map(|result| Some((result.observer.clone(), result.linearity.as_ref()?))).collect();
+    let mut page = Vec::new();
+    if let Some(group) = &together.group_mar {
+        page.push(sections::pooled_section(group, &fits));
+    }
+    if !lines.is_empty() {
+        page.push(sections::linearity_section(&lines));
+    }
+    if !together.anovas.is_empty() {
+        let analyses: Vec<BlockVariance<'_>> = together
+            .anovas
+            .iter()
+            .map(|one| BlockVariance {
+                block: &one.block,
+                measure: &one.measure,
+                anova: one.anova.as_ref().ok_or(one.refused.as_deref().unwrap_or("there were no values")),
+                p_holm: &one.p_holm,
+                pairwise: &one.pairwise,
+            })
+            .collect();
+        page.push(sections::variance_section(&analyses));
+    }
+    if !together.rules.is_empty() {
+        let rules: Vec<(&str, &RuleResult)> =
+            together.rules.iter().map(|rule| (rule.block.as_str(), &rule.result)).collect();
+        page.push(sections::rules_section(&rules));
+    }
+    let gaze: Vec<SessionGaze<'_>> = quality
+        .sessions
+        .iter()
+        .map(|one| SessionGaze {
+            session: &one.session,
+            quality: &one.quality,
+            events: one.events.as_ref(),
+            deviation: one.deviation.as_ref(),
+        })
+        .collect();
+    if !gaze.is_empty() {
+        page.push(sections::gaze_quality_section(&gaze));
+    }
+    page.extend(quality.flags.as_ref().map(sections::flags_section));
+    let mut json = serde_json::Map::new();
+    json.insert("over_observers".to_owned(), serde_json::to_value(together).unwrap_or_default());
+    json.insert("quality".to_owned(), serde_json::to_value(quality).unwrap_or_default());
+    Extra { sections: page, json, ..Extra::default() }
 }
 
 /// Writes the figures of some results as SVG files into a folder, each named after its observer.

@@ -161,7 +161,9 @@ fn two_observers_of_every_kind_of_answer() {
     assert_eq!(analysis.observers[0].forms[0].entries["age"], Entry::Number(31.0));
 
     let report = folder.path().join("report.html");
-    parafovea::report::write(&results, &report).unwrap();
+    let together = parafovea::results::over_observers::over_observers(&results);
+    let quality = parafovea::results::traces::quality(&sessions).unwrap();
+    parafovea::report::write(&results, &together, &quality, &report).unwrap();
     let page = std::fs::read_to_string(&report).unwrap();
     assert!(page.contains("Block slider") && page.contains("no_flicker") && !page.contains("MAR line"));
     let figures = folder.path().join("figures");

@@ -77,7 +77,7 @@ pub struct ComparisonFit {
 #[must_use]
 pub fn fit_comparison(counts: &[Compared], scale: Scale, direction: Direction) -> Option<ComparisonFit> {
     let counts: Vec<Compared> = counts.iter().copied().filter(|count| count.n() > 0).collect();
-    let sign = direction.sign();
+    let sign = if direction == Direction::Rises { 1.0 } else { -1.0 };
     let mut places: Vec<f64> = counts.iter().map(|count| sign * scale.coordinate(count.level)).collect();
     if places.iter().any(|x| !x.is_finite()) {
         return None;

@@ -7,8 +7,10 @@
 //! - [`mar`] fits `omega = m e + omega0` and a threshold for every eccentricity;
 //! - [`psychometric`] fits one function on one variable, and [`answers`] sums up the answers of every protocol, block by
 //!   block: shares, matches, ratings, tasks;
+//! - [`rules`] are the four papers' own ways to a result, beside what they published;
 //! - [`shares`] are proportions with their intervals;
-//! - [`gaze`] and [`timing`] summarise where the eyes were and how the frames ran;
+//! - [`gaze`] and [`timing`] measure where the eyes were and how the frames ran, and flag trials by a stated rule;
+//! - [`statistics`] are the tests of hypotheses: analysis of variance, t, rank and binomial tests, effect sizes;
 //! - [`summary`] is the JSON document of `parafovea analyze --json`;
 //! - [`figures`] draws the fits and summaries as SVG, and [`report`] puts everything on one HTML page.
 
@@ -21,7 +23,9 @@ mod numerics;
 pub mod power;
 pub mod psychometric;
 pub mod report;
+pub mod rules;
 pub mod shares;
+pub mod statistics;
 pub mod summary;
 mod svg;
 mod text;

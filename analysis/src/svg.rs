@@ -6,7 +6,7 @@
 mod axis;
 mod panel;
 
-pub(crate) use axis::Axis;
+pub(crate) use axis::{Axis, LARGEST, ROOM, inward};
 pub(crate) use panel::{Entry, Panel, legend};
 
 use std::fmt::Write;
@@ -169,6 +169,22 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
         * size
 }
 
+/// A text cut with an ellipsis where it would be drawn wider than `width` pixels.
+pub(crate) fn shortened(text: &str, size: f64, width: f64) -> String {
+    if text_width(text, size) <= width {
+        return text.to_owned();
+    }
+    let mut kept = String::new();
+    for c in text.chars() {
+        kept.push(c);
+        if text_width(&kept, size) + size > width {
+            kept.pop();
+            break;
+        }
+    }
+    kept.trim_end().to_owned() + "…"
+}
+
 /// Shapes in the order in which they are painted.
 #[derive(Debug, Default)]
 pub(crate) struct Canvas {
@@ -187,6 +203,34 @@ impl Canvas {
 
     pub(crate) fn polygon(&mut self, points: &[[f64; 2]], paint: &Paint<'_>) {
         self.points("polygon", points, paint);
+    }
+
+    /// Closed rings as one shape, filled by the even-odd rule, so that a ring within another is a hole.
+    pub(crate) fn rings(&mut self, rings: &[Vec<[f64; 2]>], paint: &Paint<'_>) {
+        let mut path = String::new();
+        for ring in rings.iter().filter(|ring| ring.len() > 2) {
+            for (i, p) in ring.iter().enumerate() {
+                let _ = write!(path, "{}{} {}", if i == 0 { 'M' } else { 'L' }, coordinate(p[0]), coordinate(p[1]));
+            }
+            path.push('Z');
+        }
+        self.path(&path, "evenodd", paint);
+    }
+
+    /// Rectangles (corner, size) of one colour as one shape.
+    pub(crate) fn rects(&mut self, rects: &[([f64; 2], [f64; 2])], paint: &Paint<'_>) {
+        let mut path = String::new();
+        for ([x, y], [w, h]) in rects {
+            let [x, y, w, h] = [*x, *y, w.max(0.0), h.max(0.0)].map(coordinate);
+            let _ = write!(path, "M{x} {y}h{w}v{h}h-{w}z");
+        }
+        self.path(&path, "nonzero", paint);
+    }
+
+    fn path(&mut self, path: &str, rule: &str, paint: &Paint<'_>) {
+        if !path.is_empty() {
+            let _ = writeln!(self.body, "<path d=\"{path}\" fill-rule=\"{rule}\"{}/>", paint.attributes());
+        }
     }
 
     fn points(&mut self, element: &str, points: &[[f64; 2]], paint: &Paint<'_>) {
@@ -253,12 +297,11 @@ impl Canvas {
     /// The finished document: `title` names it for screen readers, `description` says what it shows.
     pub(crate) fn finish(self, size: [f64; 2], title: &str, description: &str) -> String {
         let [w, h] = size.map(coordinate);
+        let [title, description] = [title, description].map(escape);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" role=\"img\" \
-             font-family=\"{FONT}\">\n<title>{}</title>\n<desc>{}</desc>\n<rect width=\"{w}\" height=\"{h}\" \
-             fill=\"{PAPER}\" class=\"paper\"/>\n{}</svg>\n",
-            escape(title),
-            escape(description),
+             aria-label=\"{title}. {description}\" font-family=\"{FONT}\">\n<title>{title}</title>\n\
+             <desc>{description}</desc>\n<rect width=\"{w}\" height=\"{h}\" fill=\"{PAPER}\" class=\"paper\"/>\n{}</svg>\n",
             self.body
         )
     }
@@ -271,6 +314,13 @@ mod tests {
     #[test]
     fn markup_cannot_escape_from_text() {
         assert_eq!(escape("<b a=\"1\">&'\u{0}"), "&lt;b a=&quot;1&quot;&gt;&amp;&#39; ");
+    }
+
+    #[test]
+    fn texts_are_cut_to_their_room() {
+        assert_eq!(shortened("short", 12.0, 200.0), "short");
+        let cut = shortened("a text that goes on and on", 12.0, 80.0);
+        assert!(cut.ends_with('…') && text_width(&cut, 12.0) <= 84.0, "{cut}");
     }
 
     #[test]

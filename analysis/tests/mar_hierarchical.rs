@@ -1,6 +1,8 @@
 //! Groups of observers: the peer's posterior, known truths, small groups, observers with nothing to say.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
+#[path = "../examples/calibration/ranks.rs"]
+mod ranks;
 #[path = "../examples/calibration/mar.rs"]
 mod simulation;
 

@@ -3,6 +3,7 @@
 
 use analysis::answers::{BlockSummary, Protocol, Row, Summary, summarise};
 use analysis::figures::{self, GazeView};
+use analysis::psychometric::{Direction, Psychometric, PsychometricConfig};
 use analysis::report::{ReportInput, SessionReport, html};
 use analysis::summary::{Analysis, FormSummary};
 use experiments::Display;
@@ -33,14 +34,13 @@ fn of(map: &[(&str, &str)]) -> BTreeMap<String, String> {
 }
 
 fn pair(rng: &mut ChaCha8Rng) -> Vec<Row> {
-    let truth = analysis::psychometric::Psychometric { threshold: 14.9, width: 5.0, lapse: 0.02, guess: 0.05 };
+    let truth = Psychometric { threshold: 14.9, width: 5.0, lapse: 0.02, guess: 0.05, overdispersion: 0.0 };
     let mut rows = Vec::new();
     for j in (8..=22).step_by(2) {
         for _ in 0..10 {
             let p = truth.probability(
                 f64::from(j),
-                analysis::psychometric::Scale::Linear,
-                analysis::psychometric::Direction::Falls,
+                &PsychometricConfig { direction: Direction::Falls, ..PsychometricConfig::TWO_ALTERNATIVES },
             );
             let noticed = rng.random::<f64>() < p;
             let answer = if noticed { Answer::First } else { Answer::Same };

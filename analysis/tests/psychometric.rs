@@ -9,8 +9,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
 
-const FORCED: PsychometricConfig =
-    PsychometricConfig { scale: Scale::Linear, direction: Direction::Rises, guess: Guess::Fixed(0.5) };
+const FORCED: PsychometricConfig = PsychometricConfig::TWO_ALTERNATIVES;
 
 fn counts(levels: &[f64], n: &[u32], k: &[u32]) -> Vec<Count> {
     levels.iter().zip(n).zip(k).map(|((&level, &n), &k)| Count { level, n, k }).collect()
@@ -87,6 +86,7 @@ fn falling_is_rising_mirrored() {
     let falling = fit_psychometric(&data, &config).unwrap();
     let mirrored: Vec<Count> = data.iter().map(|count| Count { level: -count.level, ..*count }).collect();
     let rising = fit_psychometric(&mirrored, &PsychometricConfig { direction: Direction::Rises, ..config }).unwrap();
+    println!("{:e}", falling.threshold.estimate + rising.threshold.estimate);
     assert!((falling.threshold.estimate + rising.threshold.estimate).abs() < 1e-9);
     assert!((falling.threshold.ci95[0] + rising.threshold.ci95[1]).abs() < 1e-9);
     for level in [9.0, 14.8, 21.0] {
@@ -99,7 +99,7 @@ fn simulated(truth: &Psychometric, levels: &[f64], n: u32, config: &Psychometric
     let data: Vec<Count> = levels
         .iter()
         .map(|&level| {
-            let p = truth.probability(level, config.scale, config.direction);
+            let p = truth.probability(level, config);
             let k = (0..n).filter(|_| rng.random::<f64>() < p).count() as u32;
             Count { level, n, k }
         })
@@ -112,11 +112,11 @@ fn simulated(truth: &Psychometric, levels: &[f64], n: u32, config: &Psychometric
 fn intervals_of_simulated_observers_hold_the_truth() {
     let levels: Vec<f64> = (4..12).map(|half| f64::from(2 * half)).collect();
     for (name, config, truth) in [
-        ("2AFC", FORCED, Psychometric { threshold: 14.3, width: 7.0, lapse: 0.02, guess: 0.5 }),
+        ("2AFC", FORCED, Psychometric { threshold: 14.3, width: 7.0, lapse: 0.02, guess: 0.5, overdispersion: 0.0 }),
         (
             "pair",
             PsychometricConfig { direction: Direction::Falls, guess: Guess::Free, ..FORCED },
-            Psychometric { threshold: 14.9, width: 6.0, lapse: 0.02, guess: 0.08 },
+            Psychometric { threshold: 14.9, width: 6.0, lapse: 0.02, guess: 0.08, overdispersion: 0.0 },
         ),
     ] {
         let fits: Vec<PsychometricFit> = (0..50).map(|seed| simulated(&truth, &levels, 20, &config, seed)).collect();
@@ -151,7 +151,7 @@ fn data_without_a_function_are_wide_and_unsupported() {
     .unwrap();
     assert!(step.support.is_supported() && (step.threshold.estimate - 2.5).abs() < 0.1, "{step:?}");
     // Very many answers: the grid finds the narrow peak.
-    let truth = Psychometric { threshold: 2.6, width: 2.0, lapse: 0.01, guess: 0.5 };
+    let truth = Psychometric { threshold: 2.6, width: 2.0, lapse: 0.01, guess: 0.5, overdispersion: 0.0 };
     let fit = simulated(&truth, &levels, 1_000_000, &FORCED, 1);
     assert!((fit.threshold.estimate - 2.6).abs() < 0.01, "{:?}", fit.threshold);
     assert!(fit.threshold.ci95[1] - fit.threshold.ci95[0] < 0.02, "{:?}", fit.threshold);

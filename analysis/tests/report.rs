@@ -6,7 +6,9 @@ mod common;
 use analysis::figures::{GazeView, TrackPoint};
 use analysis::gaze::GazeSample;
 use analysis::mar::{Estimate, MarFit, MarFitConfig, fit_mar};
-use analysis::report::{ReportInput, SessionReport, html};
+use analysis::report::{
+    AnovaRow, AnovaTable, Extra, MethodsFacts, ReportInput, SessionReport, anova_section, html, html_with,
+};
 use analysis::summary::Analysis;
 use analysis::timing::Frame;
 use common::{TRUTH, constant_stimuli, staircase};
@@ -158,7 +160,7 @@ fn hostile_text_stays_text() {
     input.title = hostile.to_owned();
     let html = html(&input);
     assert!(!html.contains("<script>alert"));
-    assert_eq!(html.matches("</script>").count(), 1);
+    assert_eq!(html.matches("</script>").count(), 2);
     assert_eq!(embedded(&html).observers[0].observer, hostile);
 }
 
@@ -180,4 +182,92 @@ fn an_unsupported_fit_says_so_first_and_empty_records_draw() {
 #[test]
 fn no_sessions_give_a_page_that_says_so() {
     assert!(html(&page(Vec::new())).contains("nothing to report"));
+}
+
+/// The text between two marks, first occurrence after `from`.
+fn between<'a>(html: &'a str, from: &str, to: &str) -> &'a str {
+    let start = html.find(from).unwrap_or_else(|| panic!("{from} is missing")) + from.len();
+    &html[start..start + html[start..].find(to).unwrap()]
+}
+
+#[test]
+fn every_figure_of_a_page_is_valid_xml() {
+    let html = html(&page(vec![example("P01", 3, "guenter-2012", &[5.0, 10.0, 15.0])]));
+    let figures: Vec<&str> =
+        html.split("<figure>\n").skip(1).map(|rest| rest.split("<figcaption>").next().unwrap()).collect();
+    assert_eq!(figures.len(), 5);
+    for svg in figures {
+        let document = roxmltree::Document::parse(svg).unwrap_or_else(|error| panic!("{error}\n{svg}"));
+        let root = document.root_element();
+        assert_eq!((root.tag_name().name(), root.attribute("role")), ("svg", Some("img")));
+    }
+}
+
+#[test]
+fn methods_are_written_from_what_the_sessions_say() {
+    let input = page(vec![example("P01", 3, "guenter-2012", &[5.0, 10.0])]);
+    let html = html(&input);
+    let methods = between(&html, "<h2>Methods</h2>", "</section>");
+    for part in [
+        "1 simulated observer took part.",
+        "Eccentricities were 5° and 10°.",
+        "1920 × 1080 pixels",
+        "It was refreshed at 119.98 Hz (measured); 12 of 12000 frames were missed (0.1 %).",
+        "its samples 4.0 ms apart in the median",
+        "a circle of 2° around the fixation point",
+        "Beta(1, 10) for λ",
+        "parafovea 0.1.0",
+    ] {
+        assert!(methods.contains(part), "{part} is not in {methods}");
+    }
+    // What no session says is not there.
+    assert!(!methods.contains("excluded") && !methods.contains("offscreen"));
+}
+
+#[test]
+fn further_sections_facts_and_data_come_onto_the_page() {
+    let input = page(vec![example("P01", 3, "demo-540p", &[5.0, 10.0])]);
+    let mut facts = MethodsFacts::of(&input);
+    facts.excluded_observers = vec![("P02".to_owned(), "did not <finish>".to_owned())];
+    let anova = AnovaTable {
+        title: "Ratings".to_owned(),
+        rows: vec![AnovaRow {
+            effect: "region × scene".to_owned(),
+            df: [9.0, 126.0],
+            f: 5.5,
+            p: 2.25e-6,
+            ..AnovaRow::default()
+        }],
+        ..AnovaTable::default()
+    };
+    let mut json = serde_json::Map::new();
+    json.insert("anova".to_owned(), serde_json::to_value(&anova).unwrap());
+    json.insert("observers".to_owned(), serde_json::Value::Null);
+    let extra = Extra { methods: Some(facts), sections: vec![anova_section(&[anova])], json };
+    let html = html_with(&input, &extra);
+    assert!(html.contains("2 simulated observers took part; 1 was excluded: P02 (did not &lt;finish&gt;)."));
+    assert!(
+        html.contains("<td data-v=\"0.00000225\">0.00000225</td>"),
+        "{}",
+        between(&html, "region × scene", "</tr>")
+    );
+    assert!(html.find("Analysis of variance").unwrap() < html.find("<h2>Methods</h2>").unwrap());
+    // The analysis' own keys are not overwritten.
+    assert_eq!(embedded(&html).observers.len(), 1);
+    assert!(between(&html, "id=\"parafovea-analysis\">", "</script>").contains("\"anova\""));
+}
+
+/// Estimate and interval ends are three cells, each a number in full precision for whoever copies it.
+#[test]
+fn the_parameters_paste_as_numbers() {
+    let input = page(vec![example("P01", 3, "demo-540p", &[5.0, 10.0])]);
+    let html = html(&input);
+    let row = between(&html, "Slope m (degrees per cycle per degree)</th>", "</tr>");
+    let values: Vec<f64> =
+        row.split("data-v=\"").skip(1).map(|cell| cell.split('"').next().unwrap().parse().unwrap()).collect();
+    let m = input.sessions[0].fit.as_ref().unwrap().m;
+    assert_eq!(values, [m.estimate, m.ci95[0], m.ci95[1], TRUTH.m]);
+    for cell in row.split("</td>").filter_map(|cell| cell.rsplit('>').next()).filter(|cell| !cell.trim().is_empty()) {
+        assert!(cell.parse::<f64>().is_ok(), "{cell}");
+    }
 }

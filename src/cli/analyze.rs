@@ -1,12 +1,18 @@
 //! `parafovea analyze`: omega0 and m with their intervals, and what every block's answers come to, from sessions.
 
-use super::{blocks, print, print_json, say};
+use super::{blocks, print, print_json, say, together};
 use crate::error::LabError;
+use crate::results::over_observers::{OverObservers, over_observers};
+use crate::results::traces::quality;
 use crate::results::{ObserverResult, document, fit_sessions, silence};
 use crate::session::SessionFolder;
 use analysis::MarFit;
 use analysis::mar::Support;
+use analysis::mar::linearity::Linearity;
+use analysis::summary::Analysis;
 use clap::Args;
+use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -31,8 +37,10 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
         args.sessions.iter().map(|path| SessionFolder::open(path)).collect::<Result<_, _>>()?;
     sessions.iter().flat_map(SessionFolder::notices).for_each(|notice| say(&notice));
     let results = fit_sessions(&sessions)?;
+    let together = over_observers(&results);
     if let Some(path) = &args.report {
-        crate::report::write(&results, path)?;
+        let quality = quality(results.iter().flat_map(|result| result.sessions.iter().copied()))?;
+        crate::report::write(&results, &together, &quality, path)?;
         say(&format!("report: {}", path.display()));
     }
     if let Some(folder) = &args.figures {
@@ -41,13 +49,29 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
     }
     let document = document(&results);
     if args.json {
-        return print_json(&document);
+        return print_json(&Whole { analysis: &document, linearity: linearity(&results), over_observers: &together });
     }
     let mut texts: Vec<String> = results.iter().map(table).collect();
     if !document.group.is_empty() {
         texts.push(blocks::group(&document.group));
     }
+    texts.extend(together::text(&together));
     print(&texts.join("\n"))
+}
+
+/// The JSON document: what every observer gave, and what they come to together.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    analysis: &'a Analysis,
+    /// By observer.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    linearity: BTreeMap<&'a str, &'a Linearity>,
+    over_observers: &'a OverObservers,
+}
+
+fn linearity<'a>(results: &'a [ObserverResult<'_>]) -> BTreeMap<&'a str, &'a Linearity> {
+    results.iter().filter_map(|result| Some((result.observer.as_str(), result.linearity.as_ref()?))).collect()
 }
 
 /// One observer's results as a table for a terminal.

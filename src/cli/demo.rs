@@ -5,6 +5,8 @@ use crate::error::LabError;
 use crate::export;
 use crate::replay::Replay;
 use crate::results::fit_sessions;
+use crate::results::over_observers::over_observers;
+use crate::results::traces::quality;
 use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
 use crate::stage::launch::{OffscreenGaze, Request, StudyFile};
@@ -55,7 +57,8 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     say("2. The fit and its report");
     let results = fit_sessions(&sessions)?;
     let report = folder.with_extension("report.html");
-    crate::report::write(&results, &report)?;
+    let quality = quality(results.iter().flat_map(|result| result.sessions.iter().copied()))?;
+    crate::report::write(&results, &over_observers(&results), &quality, &report)?;
 
     say("3. The tables");
     let tables = folder.with_extension("csv");

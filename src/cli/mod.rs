@@ -9,6 +9,7 @@ mod check;
 mod demo;
 mod devices;
 mod export;
+mod fit;
 mod inputs;
 mod new;
 mod power;
@@ -17,6 +18,7 @@ mod progress;
 mod render;
 mod replay;
 mod run;
+mod together;
 
 use crate::error::LabError;
 use clap::{Parser, Subcommand};
@@ -45,6 +47,8 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Fit omega0 and m from sessions.
     Analyze(analyze::AnalyzeArgs),
+    /// Fit psychometric functions to any table of level, answers and right answers.
+    Fit(fit::FitArgs),
     /// Hand sessions on as tables.
     Export(export::ExportArgs),
     /// Draw one picture of a scene under a renderer.
@@ -73,6 +77,7 @@ pub fn main() -> ExitCode {
         Command::Power(args) => power::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Predict(args) => predict::run(&args),

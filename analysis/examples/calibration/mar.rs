@@ -4,13 +4,14 @@
 //! the MAR of the prior's median observer.
 #![allow(dead_code, unreachable_pub, clippy::print_stdout, clippy::unwrap_used)]
 
+use crate::ranks::{Calibration, print_table};
 use analysis::mar::hierarchical::{HierarchicalConfig, ObserverTrials, fit_hierarchical};
 use analysis::mar::{LogNormal, MarFitConfig, MarPriors, MarTrial, fit_mar};
 use experiments::mar::MarModel;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{Beta, ContinuousCDF, Normal};
 
 pub const ECCENTRICITIES: [f64; 5] = [2.0, 6.0, 11.0, 17.0, 24.0];
 
@@ -59,54 +60,6 @@ pub fn trials(truth: &MarModel, median: (f64, f64), per_level: usize, rng: &mut 
         }
     }
     trials
-}
-
-/// How one parameter came out over many fits.
-#[derive(Debug, Clone, Default)]
-pub struct Calibration {
-    pub name: &'static str,
-    /// Of the truth within the posterior, 0–1; uniform where the fit is right.
-    pub ranks: Vec<f64>,
-    pub covered: usize,
-}
-
-pub const BINS: usize = 20;
-
-impl Calibration {
-    pub fn coverage(&self) -> f64 {
-        self.covered as f64 / self.ranks.len() as f64
-    }
-
-    /// χ² of the ranks in 20 bins against equal counts, and its p.
-    pub fn uniformity(&self) -> (f64, f64) {
-        let expected = self.ranks.len() as f64 / BINS as f64;
-        let mut counts = [0.0; BINS];
-        for rank in &self.ranks {
-            counts[((rank * BINS as f64) as usize).min(BINS - 1)] += 1.0;
-        }
-        let chi2: f64 = counts.iter().map(|count| (count - expected).powi(2) / expected).sum();
-        (chi2, 1.0 - ChiSquared::new(BINS as f64 - 1.0).unwrap().cdf(chi2))
-    }
-
-    /// Kolmogorov's distance of the ranks from uniform, and its p (asymptotic series).
-    pub fn distance(&self) -> (f64, f64) {
-        let mut sorted = self.ranks.clone();
-        sorted.sort_by(f64::total_cmp);
-        let n = sorted.len() as f64;
-        let distance = sorted
-            .iter()
-            .enumerate()
-            .map(|(i, u)| (u - i as f64 / n).abs().max((i as f64 + 1.0) / n - u))
-            .fold(0.0, f64::max);
-        let t = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * distance;
-        let p = (1..100)
-            .map(|k| {
-                let k = f64::from(k);
-                2.0 * (if k % 2.0 == 1.0 { 1.0 } else { -1.0 }) * (-2.0 * k * k * t * t).exp()
-            })
-            .sum::<f64>();
-        (distance, p.clamp(0.0, 1.0))
-    }
 }
 
 /// Fit simulated observers and rank their truths; `truth` fixes them, otherwise they are drawn from `priors`.
@@ -174,19 +127,8 @@ pub fn print(fits: usize, seed: u64) {
     {
         // Tables of one seed would share their truths and be wrong together.
         let seed = seed + 1_000_000 * table as u64;
-        println!("{title}: {fits} fits, seed {seed}");
-        println!("| parameter | coverage of 95 % | mean rank | χ²(19) of ranks | p | KS distance | p |");
-        println!("| --- | --- | --- | --- | --- | --- | --- |");
-        for c in simulate(fits, seed, &priors, per_level, truth) {
-            let ((chi2, p), (distance, p_distance)) = (c.uniformity(), c.distance());
-            println!(
-                "| {} | {:.4} | {:.4} | {chi2:.1} | {p:.3} | {distance:.4} | {p_distance:.3} |",
-                c.name,
-                c.coverage(),
-                c.ranks.iter().sum::<f64>() / c.ranks.len() as f64
-            );
-        }
-        println!();
+        let calibrations = simulate(fits, seed, &priors, per_level, truth);
+        print_table(&format!("{title}: {fits} fits, seed {seed}"), &calibrations, true);
     }
 }
 

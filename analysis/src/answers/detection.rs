@@ -5,6 +5,7 @@ use super::strata::{Parts, strata};
 use super::{Protocol, Row};
 use crate::comparison::{Compared, ComparisonFit, fit_comparison};
 use crate::psychometric::{Count, Direction, Guess, PsychometricConfig, PsychometricFit, Scale, fit_psychometric};
+use crate::rules::guenter;
 use crate::shares::Share;
 use experiments::trial::Answer;
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A function is not fitted to fewer answers.
 const FEWEST_ANSWERS: usize = 12;
+/// Nor to fewer levels, whose width would be the prior's.
+const FEWEST_LEVELS: usize = 3;
 
 /// Right and wrong by level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,9 +48,8 @@ pub struct DetectionPart {
     /// function above only describes how often the reference was called better.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comparison: Option<ComparisonFit>,
-    /// Guenter's threshold (2012, §5), for pair and ramp: the coarsest level that was once reported equal to or better
-    /// than the reference, or whose ramp was mislabelled or called the same; nothing if none was. It has no interval:
-    /// a single slip of the finger moves it.
+    /// Guenter's threshold, for pair and ramp ([`guenter::coarsest_unnoticed`]); nothing if every level was always
+    /// noticed. It has no interval: a single slip of the finger moves it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coarsest_unnoticed: Option<f64>,
 }
@@ -107,7 +109,9 @@ fn part(
     let (mut fit, mut no_fit, mut comparison, mut coarsest_unnoticed) = (None, None, None, None);
     match parameters {
         [parameter] => {
-            let counts: Vec<Count> = cells
+            // A ramp that stays where it is has no direction to name, and "the same" is right there for another reason.
+            let changing: Vec<&Row> = rows.iter().copied().filter(|row| !guenter::is_without_change(row)).collect();
+            let counts: Vec<Count> = self::cells(parameters, &changing)
                 .iter()
                 .filter_map(|cell| {
                     let (n, k) = (u32::try_from(cell.right.n).ok()?, u32::try_from(cell.right.k).ok()?);
@@ -116,7 +120,7 @@ fn part(
                 .collect();
             let direction = direction(parameter, &counts);
             if matches!(protocol, Some(Protocol::Pair | Protocol::Ramp)) {
-                coarsest_unnoticed = unnoticed(&counts, direction);
+                coarsest_unnoticed = guenter::coarsest_unnoticed(parameter, direction, rows.iter().copied());
             }
             if protocol == Some(Protocol::Pair) && rows.len() >= FEWEST_ANSWERS {
                 comparison = compared(parameter, direction, rows);
@@ -178,23 +182,23 @@ fn compared(parameter: &str, direction: Direction, rows: &[&Row]) -> Option<Comp
     fit_comparison(&counts, Scale::of_levels(&levels), direction)
 }
 
-/// The coarsest level with an answer that was not right.
-fn unnoticed(counts: &[Count], direction: Direction) -> Option<f64> {
-    let mut levels = counts.iter().filter(|count| count.k < count.n).map(|count| count.level);
-    match direction {
-        Direction::Falls => levels.next(),
-        Direction::Rises => levels.next_back(),
-    }
-}
-
 fn function(protocol: Option<Protocol>, direction: Direction, counts: &[Count]) -> Result<PsychometricFit, String> {
     let answers: u32 = counts.iter().map(|count| count.n).sum();
     if (answers as usize) < FEWEST_ANSWERS {
         return Err(format!("{answers} answers, and a function is fitted to {FEWEST_ANSWERS} or more"));
     }
     let levels: Vec<f64> = counts.iter().map(|count| count.level).collect();
+    // Counts are one for each level.
+    if levels.len() < FEWEST_LEVELS {
+        return Err(format!("answers at {} level(s), and a function needs at least {FEWEST_LEVELS}", levels.len()));
+    }
     let guess = if protocol.is_none_or(Protocol::is_forced_choice) { Guess::Fixed(0.5) } else { Guess::Free };
-    let config = PsychometricConfig { scale: Scale::of_levels(&levels), direction, guess };
+    let config = PsychometricConfig {
+        scale: Scale::of_levels(&levels),
+        direction,
+        guess,
+        ..PsychometricConfig::TWO_ALTERNATIVES
+    };
     fit_psychometric(counts, &config).map_err(|error| error.to_string())
 }
 
@@ -243,10 +247,31 @@ mod tests {
 
     #[test]
     fn a_level_that_was_always_noticed_gives_no_threshold() {
-        let rows: Vec<Row> = pair_rows().into_iter().map(|row| Row { correct: Some(true), ..row }).collect();
+        let named = |row| Row { answer: Answer::Decreased, correct: Some(true), ..row };
+        let rows: Vec<Row> = pair_rows().into_iter().map(named).collect();
         let detection = Detection::new(Some(Protocol::Ramp), &rows).unwrap();
         assert_eq!(detection.parts[0].coarsest_unnoticed, None);
         assert!(!detection.parts[0].fit.as_ref().unwrap().support.is_supported());
+    }
+
+    #[test]
+    fn a_ramp_without_change_is_in_the_table_and_not_in_the_function() {
+        let ramp = |j: f64, answer, correct| {
+            row(answer, Some(correct)).at("quality_index", j).found("from", 22.0).found("to", j)
+        };
+        let mut rows: Vec<Row> = [4.0, 5.0, 7.0, 10.0, 12.0, 15.0, 17.0]
+            .into_iter()
+            .flat_map(|j| {
+                let second = if j < 11.0 { ramp(j, Answer::Decreased, true) } else { ramp(j, Answer::Same, false) };
+                [ramp(j, Answer::Decreased, true), second]
+            })
+            .collect();
+        rows.extend([ramp(22.0, Answer::Same, true), ramp(22.0, Answer::Same, true)]);
+        let detection = Detection::new(Some(Protocol::Ramp), &rows).unwrap();
+        let part = &detection.parts[0];
+        assert_eq!((part.cells.len(), part.cells[7].right.k), (8, 2));
+        let fitted = &part.fit.as_ref().unwrap().counts;
+        assert_eq!((fitted.len(), fitted[6].level), (7, 17.0));
     }
 
     #[test]

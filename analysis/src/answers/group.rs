@@ -31,7 +31,7 @@ pub fn over_observers<'a>(observers: impl IntoIterator<Item = &'a [BlockSummary]
     let mut rows: Vec<(GroupRow, Vec<f64>)> = Vec::new();
     for blocks in observers {
         for block in blocks {
-            for (quantity, by, value) in quantities(&block.summary) {
+            for (quantity, by, value) in quantities(block) {
                 let known = rows.iter_mut().find(|(row, _)| {
                     row.study == block.study && row.block == block.block && row.quantity == quantity && row.by == *by
                 });
@@ -51,9 +51,9 @@ pub fn over_observers<'a>(observers: impl IntoIterator<Item = &'a [BlockSummary]
 }
 
 /// The numbers of one observer's block that are averaged over observers.
-fn quantities(summary: &Summary) -> Vec<(String, &BTreeMap<String, String>, f64)> {
+fn quantities(block: &BlockSummary) -> Vec<(String, &BTreeMap<String, String>, f64)> {
     let mut found = Vec::new();
-    match summary {
+    match &block.summary {
         Summary::Detection(detection) => {
             let parameter = detection.parameter().unwrap_or("level");
             for part in &detection.parts {
@@ -64,7 +64,8 @@ fn quantities(summary: &Summary) -> Vec<(String, &BTreeMap<String, String>, f64)
                     found.push((format!("coarsest unnoticed {parameter}"), &part.by, level));
                 }
                 found.push(("share right".to_owned(), &part.by, part.right.share));
-                if detection.parameters.len() > 1 {
+                // An adaptive block's levels differ between observers, and its fit is what it is for.
+                if detection.parameters.len() > 1 && !block.in_mar_fit {
                     for cell in &part.cells {
                         let level = cell.level.iter().map(|(name, value)| (name.clone(), value.to_string())).collect();
                         found.push((format!("share right at {}", part_name(&level)), &part.by, cell.right.share));

@@ -8,7 +8,7 @@ mod detection;
 pub mod group;
 mod matches;
 mod ratings;
-mod strata;
+pub(crate) mod strata;
 mod tasks;
 
 pub use detection::{Detection, DetectionPart, LevelCell};

@@ -11,16 +11,23 @@ pub(super) struct Stratum<'a> {
 
 /// Which parts there are besides the whole and the levels of the factors.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Parts<'a> {
+pub(crate) struct Parts<'a> {
     /// Each combination of factor levels that occurs, where there is more than one factor.
-    pub(super) cells: bool,
+    pub(crate) cells: bool,
     /// The varying parameters of the level count as factors, with this before their names.
-    pub(super) level_prefix: Option<&'a str>,
+    pub(crate) level_prefix: Option<&'a str>,
 }
 
-/// The parts of a block. Only factors of which more than one level occurs make parts; where none does, the condition is a
-/// factor.
+/// The parts of a block.
 pub(super) fn strata<'a>(rows: &'a [Row], parts: Parts<'_>) -> Vec<Stratum<'a>> {
+    let all: Vec<&Row> = rows.iter().collect();
+    let strata = strata_indices(&all, parts).into_iter();
+    strata.map(|(by, indices)| Stratum { by, rows: indices.into_iter().map(|index| &rows[index]).collect() }).collect()
+}
+
+/// The parts of a block, each with the indices of its rows. Only factors of which more than one level occurs make parts;
+/// where none does, the condition is a factor.
+pub(crate) fn strata_indices(rows: &[&Row], parts: Parts<'_>) -> Vec<(BTreeMap<String, String>, Vec<usize>)> {
     let labels: Vec<BTreeMap<String, String>> = rows
         .iter()
         .map(|row| {
@@ -33,34 +40,32 @@ pub(super) fn strata<'a>(rows: &'a [Row], parts: Parts<'_>) -> Vec<Stratum<'a>> 
         .collect();
     let names: BTreeSet<&String> = labels.iter().flat_map(BTreeMap::keys).collect();
     let varying: Vec<&String> = names.into_iter().filter(|name| levels(&labels, name).len() > 1).collect();
+    let indices = |is: &dyn Fn(usize) -> bool| (0..rows.len()).filter(|&index| is(index)).collect::<Vec<usize>>();
 
-    let mut strata = vec![Stratum { by: BTreeMap::new(), rows: rows.iter().collect() }];
+    let mut strata = vec![(BTreeMap::new(), indices(&|_| true))];
     if varying.is_empty() {
         let conditions: BTreeSet<&String> = rows.iter().map(|row| &row.condition).collect();
         if conditions.len() > 1 {
-            strata.extend(conditions.into_iter().map(|condition| Stratum {
-                by: BTreeMap::from([("condition".to_owned(), condition.clone())]),
-                rows: rows.iter().filter(|row| row.condition == *condition).collect(),
+            strata.extend(conditions.into_iter().map(|condition| {
+                let by = BTreeMap::from([("condition".to_owned(), condition.clone())]);
+                (by, indices(&|index| rows[index].condition == *condition))
             }));
         }
         return strata;
     }
     for name in &varying {
         for level in levels(&labels, name) {
-            let rows = rows.iter().zip(&labels).filter(|(_, labels)| labels.get(*name) == Some(level));
-            strata.push(Stratum {
-                by: BTreeMap::from([((*name).clone(), level.clone())]),
-                rows: rows.map(|(row, _)| row).collect(),
-            });
+            let by = BTreeMap::from([((*name).clone(), level.clone())]);
+            strata.push((by, indices(&|index| labels[index].get(*name) == Some(level))));
         }
     }
     if parts.cells && varying.len() > 1 {
-        let mut cells: BTreeMap<BTreeMap<String, String>, Vec<&Row>> = BTreeMap::new();
-        for (row, labels) in rows.iter().zip(&labels) {
+        let mut cells: BTreeMap<BTreeMap<String, String>, Vec<usize>> = BTreeMap::new();
+        for (index, labels) in labels.iter().enumerate() {
             let by = labels.iter().filter(|(name, _)| varying.contains(name));
-            cells.entry(by.map(|(name, level)| (name.clone(), level.clone())).collect()).or_default().push(row);
+            cells.entry(by.map(|(name, level)| (name.clone(), level.clone())).collect()).or_default().push(index);
         }
-        strata.extend(cells.into_iter().map(|(by, rows)| Stratum { by, rows }));
+        strata.extend(cells);
     }
     strata
 }

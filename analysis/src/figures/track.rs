@@ -1,5 +1,6 @@
 //! How an adaptive procedure closed in: the level of every trial, and its running estimates.
 
+use super::parts::{drawable, drawable_on, nothing};
 use super::{WIDTH, significant};
 use crate::mar::Estimate;
 use crate::svg::{Axis, BLUE, Canvas, Entry, GREEN, PALETTE, Paint, Panel, legend};
@@ -25,6 +26,12 @@ pub struct TrackPoint {
 /// The level by trial, coloured by eccentricity and filled where correct, above the running estimates of m and omega0.
 #[must_use]
 pub fn adaptive_track(track: &[TrackPoint]) -> String {
+    let good = |point: &TrackPoint| drawable(point.eccentricity_deg) && drawable_on(point.mar_deg, true);
+    let track: Vec<TrackPoint> = track.iter().copied().filter(good).collect();
+    if track.is_empty() {
+        return nothing("The adaptive track", "no trial has a level");
+    }
+    let track = track.as_slice();
     let last = track.iter().map(|p| f64::from(p.trial)).fold(1.0, f64::max);
     let first = track.iter().map(|p| f64::from(p.trial)).fold(last, f64::min);
     let estimated = track.iter().any(|p| p.m.is_some() || p.omega0.is_some());
@@ -32,6 +39,7 @@ pub fn adaptive_track(track: &[TrackPoint]) -> String {
     eccentricities.sort_by(f64::total_cmp);
     eccentricities.dedup();
 
+    let whole = |e: &Estimate| [e.estimate, e.ci95[0], e.ci95[1]].into_iter().all(drawable);
     let mut canvas = Canvas::default();
     let (left, width) = (76.0, WIDTH - 96.0);
     let used = draw_legend(&mut canvas, [left, 22.0], width, &eccentricities);
@@ -66,7 +74,7 @@ pub fn adaptive_track(track: &[TrackPoint]) -> String {
                              color: &str,
                              of: &dyn Fn(&TrackPoint) -> Option<Estimate>| {
             let values: Vec<(f64, Estimate)> =
-                track.iter().filter_map(|p| of(p).map(|e| (f64::from(p.trial), e))).collect();
+                track.iter().filter_map(|p| of(p).map(|e| (f64::from(p.trial), e))).filter(|(_, e)| whole(e)).collect();
             // Early intervals are as wide as the prior; the scale follows the later half.
             let settled = &values[values.len() / 4..];
             let high = settled.iter().map(|(_, e)| e.ci95[1]).fold(0.0, f64::max);
@@ -74,7 +82,8 @@ pub fn adaptive_track(track: &[TrackPoint]) -> String {
                 [left, top],
                 [width, 110.0],
                 x_axis(label[1]),
-                Axis::linear(label[0], 0.0, high * 1.08).with_ticks(4),
+                // Numbers too small for any acuity would have labels too long for the page.
+                Axis::linear(label[0], 0.0, high.max(1e-5) * 1.08).with_ticks(4),
             );
             panel.draw_grid(canvas);
             panel.draw(canvas, |canvas| {

@@ -161,8 +161,7 @@ pub fn line_through(thresholds: &[Threshold]) -> Result<TwoStageFit, TwoStageErr
     let points: Vec<Point> =
         given.iter().map(|p| Point { mar_deg: p.mar_deg / unit, se_deg: (p.se_deg / unit).max(1e-9), ..*p }).collect();
     let top = climb(&points, [0.0, 0.0], None);
-    let information = scored(&points, top).information;
-    let determinant = information[0] * information[2] - information[1] * information[1];
+    let Scored { information, determinant, .. } = scored(&points, top);
     let se = [(information[2] / determinant).max(0.0).sqrt(), (information[0] / determinant).max(0.0).sqrt()];
     let estimate = |axis: usize| Estimate {
         estimate: top[axis] * unit,
@@ -193,11 +192,15 @@ struct Scored {
     gradient: [f64; 2],
     /// Observed information: (m, m), (m, omega0), (omega0, omega0). The Tobit likelihood is concave.
     information: [f64; 3],
+    /// Its determinant, as a sum over pairs of points: a difference of products would lose all digits where one point
+    /// weighs far more than the others.
+    determinant: f64,
 }
 
 /// The Tobit log likelihood at (m, omega0).
 fn scored(points: &[Point], [m, omega0]: [f64; 2]) -> Scored {
-    let mut scored = Scored { value: 0.0, gradient: [0.0; 2], information: [0.0; 3] };
+    let mut scored = Scored { value: 0.0, gradient: [0.0; 2], information: [0.0; 3], determinant: 0.0 };
+    let mut weights: Vec<(f64, f64)> = Vec::with_capacity(points.len());
     for p in points {
         let u = (p.mar_deg - m * p.eccentricity_deg - omega0) / p.se_deg;
         // d ln L/du and −d² ln L/du².
@@ -209,6 +212,9 @@ fn scored(points: &[Point], [m, omega0]: [f64; 2]) -> Scored {
         scored.information[0] += curvature * x * x * scale * scale;
         scored.information[1] += curvature * x * scale * scale;
         scored.information[2] += curvature * scale * scale;
+        let weight = curvature * scale * scale;
+        scored.determinant += weights.iter().map(|(w, at)| w * weight * (x - at) * (x - at)).sum::<f64>();
+        weights.push((weight, x));
     }
     scored
 }
@@ -235,7 +241,7 @@ fn climb(points: &[Point], start: [f64; 2], hold: Option<usize>) -> [f64; 2] {
         let [g, h] = current.gradient;
         let step = match hold {
             None => {
-                let determinant = a * c - b * b;
+                let determinant = current.determinant;
                 [(c * g - b * h) / determinant, (a * h - b * g) / determinant]
             }
             Some(0) => [0.0, h / c],

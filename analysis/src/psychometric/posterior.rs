@@ -1,156 +1,120 @@
-//! Likelihood and priors of one function, in the coordinate in which it rises as a cumulative Gaussian.
+//! The unnormalised posterior density of one function over its five parameters.
+//!
+//! A point is (threshold, width, λ, γ, η) with threshold and width in the axis's coordinate. What is fixed has the same
+//! value at both ends of its bounds; equal asymptotes have γ tied to λ.
 
-use super::{Count, Guess, Psychometric, PsychometricConfig, WIDTH_IN_SD};
-use crate::numerics::normal_cdf_pair;
-use std::f64::consts::PI;
+use super::config::{Guess, Lapse, Overdispersion};
+use super::data::Checked;
+use super::likelihood::Likelihood;
+use super::prior::Priors;
+use super::{Psychometric, PsychometricConfig, Scale, Sigmoid};
 
-/// λ and a free γ are cut here; Beta(1, 10) has 0.1 % of its mass beyond.
-const LARGEST_RATE: f64 = 0.5;
+/// (threshold, width, λ, γ, η), threshold and width in the axis's coordinate.
+pub(super) type Point = [f64; 5];
 
-/// One level in the likelihood.
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    x: f64,
-    right: f64,
-    wrong: f64,
-}
-
-/// The unnormalised posterior density over (threshold, width, λ, γ).
-#[derive(Debug)]
+/// The posterior of one data set.
+#[derive(Debug, Clone)]
 pub(super) struct Posterior {
-    cells: Vec<Cell>,
-    guess: Guess,
-    /// First and last level.
-    range: [f64; 2],
-    /// The smallest step between levels.
-    step: f64,
+    pub(super) likelihood: Likelihood,
+    pub(super) priors: Priors,
+    pub(super) config: PsychometricConfig,
 }
 
 impl Posterior {
-    /// `counts` ascend in level, at least three of them.
-    pub(super) fn new(counts: &[Count], config: &PsychometricConfig) -> Self {
-        let sign = config.direction.sign();
-        let mut cells: Vec<Cell> = counts
-            .iter()
-            .map(|count| Cell {
-                x: sign * config.scale.coordinate(count.level),
-                right: f64::from(count.k),
-                wrong: f64::from(count.n - count.k),
-            })
-            .collect();
-        cells.sort_by(|a, b| a.x.total_cmp(&b.x));
-        let range = [cells[0].x, cells[cells.len() - 1].x];
-        let step = cells.windows(2).map(|pair| pair[1].x - pair[0].x).fold(f64::INFINITY, f64::min);
-        Self { cells, guess: config.guess, range, step }
+    pub(super) fn new(data: &Checked, config: &PsychometricConfig) -> Self {
+        let priors = config.priors.resolved(data.range, data.step);
+        Self { likelihood: Likelihood::new(&data.counts, config), priors, config: *config }
     }
 
-    fn spread(&self) -> f64 {
-        self.range[1] - self.range[0]
+    pub(super) fn tied(&self) -> bool {
+        self.config.guess == Guess::EqualToLapse
     }
 
-    /// Where the prior of the threshold is above zero.
-    pub(super) fn thresholds(&self) -> [f64; 2] {
-        [self.range[0] - 0.5 * self.spread(), self.range[1] + 0.5 * self.spread()]
-    }
-
-    /// Where the prior of the width is above zero.
-    pub(super) fn widths(&self) -> [f64; 2] {
-        [self.step, 3.0 * self.spread()]
-    }
-
-    /// Where the prior of λ is above zero.
-    pub(super) fn lapses(&self) -> [f64; 2] {
-        let most = match self.guess {
-            Guess::Fixed(guess) => LARGEST_RATE.min(1.0 - guess),
-            Guess::Free => LARGEST_RATE,
-        };
-        [0.0, most]
-    }
-
-    /// Where the prior of γ is above zero; both ends are the same if it is fixed.
-    pub(super) fn guesses(&self) -> [f64; 2] {
-        match self.guess {
+    /// Where the priors are above zero, (threshold, width, λ, γ, η).
+    pub(super) fn bounds(&self) -> [[f64; 2]; 5] {
+        let mut threshold = self.priors.threshold.support();
+        if self.config.sigmoid == Sigmoid::Weibull && self.config.scale == Scale::Linear {
+            // A Weibull function has no threshold at zero or below.
+            threshold[0] = threshold[0].max(1e-6 * threshold[1]);
+        }
+        let guess = match self.config.guess {
             Guess::Fixed(guess) => [guess, guess],
-            Guess::Free => [0.0, LARGEST_RATE],
-        }
-    }
-
-    pub(super) fn guess_is_free(&self) -> bool {
-        self.guess == Guess::Free
-    }
-
-    /// ln of the prior of threshold and width, without its constant.
-    pub(super) fn ln_prior_place(&self, threshold: f64, width: f64) -> f64 {
-        let spread = self.spread();
-        let outside = (self.range[0] - threshold).max(threshold - self.range[1]).max(0.0);
-        let of_threshold = if outside >= 0.5 * spread { 0.0 } else { 0.5 + 0.5 * (2.0 * PI * outside / spread).cos() };
-        let of_width = if width <= self.step || width >= 3.0 * spread {
-            0.0
-        } else if width < 2.0 * self.step {
-            0.5 - 0.5 * (PI * (width - self.step) / self.step).cos()
-        } else if width <= spread {
-            1.0
-        } else {
-            0.5 + 0.5 * (0.5 * PI * (width - spread) / spread).cos()
+            Guess::Free => self.priors.guess.rate_support(),
+            // Not used: γ is tied to λ.
+            Guess::EqualToLapse => [0.0, 0.0],
         };
-        (of_threshold * of_width).ln()
+        let lapse = match self.config.lapse {
+            Lapse::Fixed(lapse) => [lapse, lapse],
+            Lapse::Free => {
+                let [low, high] = self.priors.lapse.rate_support();
+                // Beyond this the function would be upside down.
+                let room = if let Guess::Fixed(guess) = self.config.guess { 1.0 - guess } else { 1.0 };
+                [low, high.min(room * (1.0 - 1e-9))]
+            }
+        };
+        let overdispersion = match self.config.overdispersion {
+            Overdispersion::None => [0.0, 0.0],
+            Overdispersion::Free => self.priors.overdispersion.overdispersion_support(),
+        };
+        [threshold, self.priors.width.width_support(), lapse, guess, overdispersion]
     }
 
-    /// ln of the prior of the two rates, without its constant.
+    /// γ at a point's λ and γ.
+    pub(super) fn guess(&self, lapse: f64, guess: f64) -> f64 {
+        if self.tied() { lapse } else { guess }
+    }
+
+    pub(super) fn ln_prior_place(&self, threshold: f64, width: f64) -> f64 {
+        self.priors.threshold.ln_density(threshold) + self.priors.width.ln_density(width)
+    }
+
+    /// ln of the prior of the rates that are free. With equal asymptotes the one free rate has one prior.
     pub(super) fn ln_prior_rates(&self, lapse: f64, guess: f64) -> f64 {
-        let of_guess = if self.guess_is_free() { 9.0 * (1.0 - guess).ln() } else { 0.0 };
-        9.0 * (1.0 - lapse).ln() + of_guess
+        let of_lapse = if self.config.lapse == Lapse::Free { self.priors.lapse.ln_density(lapse) } else { 0.0 };
+        let of_guess = if self.config.guess == Guess::Free { self.priors.guess.ln_density(guess) } else { 0.0 };
+        of_lapse + of_guess
     }
 
-    /// Φ and 1 − Φ at every level, into `seen`.
-    pub(super) fn fill_seen(&self, threshold: f64, width: f64, seen: &mut Vec<(f64, f64)>) {
-        seen.clear();
-        seen.extend(self.cells.iter().map(|cell| normal_cdf_pair(WIDTH_IN_SD * (cell.x - threshold) / width)));
-    }
-
-    /// The log likelihood of two rates, given Φ at every level.
-    pub(super) fn ln_likelihood(&self, seen: &[(f64, f64)], lapse: f64, guess: f64) -> f64 {
-        let rise = 1.0 - guess - lapse;
-        if rise <= 0.0 {
-            return f64::NEG_INFINITY;
+    pub(super) fn ln_prior_overdispersion(&self, eta: f64) -> f64 {
+        match self.config.overdispersion {
+            Overdispersion::None => 0.0,
+            Overdispersion::Free => self.priors.overdispersion.ln_density(eta),
         }
-        let mut sum = 0.0;
-        for (cell, (below, above)) in self.cells.iter().zip(seen) {
-            if cell.right > 0.0 {
-                sum += cell.right * (guess + rise * below).ln();
-            }
-            if cell.wrong > 0.0 {
-                sum += cell.wrong * (lapse + rise * above).ln();
+    }
+
+    /// The log density; −∞ out of bounds.
+    pub(super) fn ln_density(&self, at: &Point) -> f64 {
+        for (index, ([low, high], x)) in self.bounds().iter().zip(at).enumerate() {
+            if !((low..=high).contains(&x) || (index == 3 && self.tied())) {
+                return f64::NEG_INFINITY;
             }
         }
-        sum
-    }
-
-    /// The log density at a point, in the axis's rising coordinate.
-    pub(super) fn ln_density(&self, at: &Psychometric) -> f64 {
-        let [low, high] = self.lapses();
-        let [least, most] = self.guesses();
-        if !(low..=high).contains(&at.lapse) || !(least..=most).contains(&at.guess) {
-            return f64::NEG_INFINITY;
-        }
-        let prior = self.ln_prior_place(at.threshold, at.width);
+        let [threshold, width, lapse, guess, eta] = *at;
+        let guess = self.guess(lapse, guess);
+        let prior = self.ln_prior_place(threshold, width)
+            + self.ln_prior_rates(lapse, guess)
+            + self.ln_prior_overdispersion(eta);
         if prior == f64::NEG_INFINITY {
             return prior;
         }
-        let mut seen = Vec::with_capacity(self.cells.len());
-        self.fill_seen(at.threshold, at.width, &mut seen);
-        prior + self.ln_prior_rates(at.lapse, at.guess) + self.ln_likelihood(&seen, at.lapse, at.guess)
+        prior + self.likelihood.ln_likelihood(threshold, width, lapse, guess, eta)
     }
 
-    /// The log likelihood of any function of the level.
-    pub(super) fn ln_likelihood_of(&self, counts: &[Count], probability: impl Fn(f64) -> f64) -> f64 {
-        let term = |count: u32, p: f64| if count > 0 { f64::from(count) * p.ln() } else { 0.0 };
-        counts
-            .iter()
-            .map(|count| {
-                let p = probability(count.level);
-                term(count.k, p) + term(count.n - count.k, 1.0 - p)
-            })
-            .sum()
+    /// The function at a point.
+    pub(super) fn function(&self, at: &Point) -> Psychometric {
+        let [threshold, width, lapse, guess, overdispersion] = *at;
+        Psychometric {
+            threshold: self.config.scale.level(threshold),
+            width,
+            lapse,
+            guess: self.guess(lapse, guess),
+            overdispersion,
+        }
+    }
+
+    /// The point of a function.
+    pub(super) fn point(&self, function: &Psychometric) -> Point {
+        let Psychometric { threshold, width, lapse, guess, overdispersion } = *function;
+        [self.config.scale.coordinate(threshold), width, lapse, guess, overdispersion]
     }
 }

@@ -1,6 +1,6 @@
 //! What each block's answers come to: a table and a figure for every family of protocols, means over observers, forms.
 
-use super::{ReportInput, analysis};
+use super::{Cell, ReportInput, Table, analysis};
 use crate::answers::group::GroupRow;
 use crate::answers::{BlockSummary, Detection, Matches, Ratings, Summary, Tasks, part_name};
 use crate::figures;
@@ -8,7 +8,7 @@ use crate::psychometric::{Guess, PsychometricFit};
 use crate::shares::{Mean, Share};
 use crate::summary::FormSummary;
 use crate::svg::escape;
-use crate::text::{figure, interval, percent, significant, table, with_interval};
+use crate::text::{figure, significant};
 use experiments::trial::form::Entry;
 
 /// Rows of a table at most; the page's JSON holds all.
@@ -37,58 +37,51 @@ pub(super) fn block(block: &BlockSummary) -> String {
     html
 }
 
-fn share(share: &Share) -> String {
+/// Share and Wilson interval, in percent: three cells.
+fn share(share: &Share) -> [Cell; 3] {
     let [low, high] = share.wilson95;
-    format!("{} [{} – {}]", percent(share.share), percent(low), percent(high))
+    [share.share, low, high].map(|value| Cell::percent(Some(value)))
 }
 
-fn mean(mean: &Mean) -> Vec<String> {
-    vec![
-        mean.n.to_string(),
-        significant(mean.mean, 3),
-        mean.sd.map_or_else(|| "–".to_owned(), |sd| significant(sd, 3)),
-        mean.ci95.map_or_else(|| "–".to_owned(), interval),
-    ]
+/// n, mean, SD, and the ends of the interval: five cells.
+fn mean(mean: &Mean) -> [Cell; 5] {
+    let [low, high] = Cell::interval(mean.ci95);
+    [mean.n.into(), mean.mean.into(), Cell::maybe(mean.sd), low, high]
 }
 
-fn cut(rows: &mut Vec<Vec<String>>) -> String {
-    if rows.len() <= MOST_ROWS {
-        return String::new();
-    }
-    let left_out = rows.len() - MOST_ROWS;
-    rows.truncate(MOST_ROWS);
-    format!("<p class=\"note\">{left_out} further rows are in the page’s data.</p>\n")
+/// The table's HTML, with a note where rows are left out.
+fn cut(mut table: Table) -> String {
+    let left_out = table.rows.len().saturating_sub(MOST_ROWS);
+    table.rows.truncate(MOST_ROWS);
+    let note = if left_out == 0 {
+        String::new()
+    } else {
+        format!("<p class=\"note\">{left_out} further rows are in the page’s data.</p>\n")
+    };
+    table.html() + &note
 }
 
 fn detection(detection: &Detection) -> String {
     let parameter = detection.parameter().unwrap_or("level");
-    let rows: Vec<Vec<String>> = detection
-        .parts
-        .iter()
-        .map(|part| {
-            let threshold = match &part.fit {
-                Some(fit) if fit.support.is_supported() => with_interval(&fit.threshold),
-                Some(fit) => format!("{} (not supported)", with_interval(&fit.threshold)),
-                None => "–".to_owned(),
-            };
-            vec![
-                part_name(&part.by),
-                part.right.n.to_string(),
-                share(&part.right),
-                threshold,
-                part.coarsest_unnoticed.map_or_else(|| "–".to_owned(), |level| significant(level, 3)),
-            ]
-        })
-        .collect();
-    let mut html = table(
-        &format!(
-            "Right answers ({}), with 95 % Wilson intervals; threshold of {parameter}; and the coarsest {parameter} that went \
-             unnoticed once, which has no interval.",
+    let mut table = Table::new(
+        format!(
+            "Right answers ({}), with 95 % Wilson intervals; threshold of {parameter} with its 95 % interval; and the coarsest \
+             {parameter} that went unnoticed once, which has no interval.",
             detection.right_means
         ),
-        &["Trials", "n", "Right", "Threshold", "Unnoticed"],
-        &rows,
+        &["Trials", "n", "Right (%)", "2.5 %", "97.5 %", "Threshold", "2.5 %", "97.5 %", "Supported", "Unnoticed"],
     );
+    for part in &detection.parts {
+        let mut row = vec![part_name(&part.by).into(), part.right.n.into()];
+        row.extend(share(&part.right));
+        row.extend(Cell::maybe_estimate(part.fit.as_ref().map(|fit| &fit.threshold)));
+        row.push(
+            part.fit.as_ref().map_or(Cell::Missing, |fit| if fit.support.is_supported() { "yes" } else { "no" }.into()),
+        );
+        row.push(Cell::maybe(part.coarsest_unnoticed));
+        table.push(row);
+    }
+    let mut html = table.html();
     for part in &detection.parts {
         let name = escape(&part_name(&part.by));
         if let Some(reason) = &part.no_fit {
@@ -109,43 +102,38 @@ fn detection(detection: &Detection) -> String {
          function (dashed if the data do not support it), and the line its threshold.",
     ));
     if let Some(all) = detection.parts.first() {
-        let mut rows: Vec<Vec<String>> = all
-            .cells
-            .iter()
-            .map(|cell| {
-                let mut row: Vec<String> = detection
-                    .parameters
-                    .iter()
-                    .map(|name| cell.level.get(name).map_or_else(|| "–".to_owned(), ToString::to_string))
-                    .collect();
-                row.extend([format!("{}/{}", cell.right.k, cell.right.n), share(&cell.right)]);
-                row
-            })
-            .collect();
-        let note = cut(&mut rows);
         let mut header: Vec<&str> = detection.parameters.iter().map(String::as_str).collect();
-        header.extend(["Right/n", "Share"]);
-        html.push_str(&table("Right answers at each level, all trials.", &header, &rows));
-        html.push_str(&note);
+        header.extend(["Right", "n", "Share (%)", "2.5 %", "97.5 %"]);
+        let mut table = Table::new("Right answers at each level, all trials, with 95 % Wilson intervals.", &header);
+        for cell in &all.cells {
+            let mut row: Vec<Cell> =
+                detection.parameters.iter().map(|name| Cell::maybe(cell.level.get(name).copied())).collect();
+            row.extend([cell.right.k.into(), cell.right.n.into()]);
+            row.extend(share(&cell.right));
+            table.push(row);
+        }
+        html.push_str(&cut(table));
     }
     html
 }
 
 fn matches(matches: &Matches) -> String {
-    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut table = Table::new(
+        "What was set, in the unit of each parameter; the 95 % interval of the mean is Student’s.",
+        &["Quantity", "Trials", "n", "Mean", "SD", "2.5 %", "97.5 %", "Median"],
+    );
+    let mut rows: Vec<(&str, Vec<Cell>)> = Vec::new();
     for part in &matches.parts {
         for quantity in &part.quantities {
-            let mut row = vec![quantity.quantity.clone(), part_name(&part.by)];
+            let mut row = vec![quantity.quantity.as_str().into(), part_name(&part.by).into()];
             row.extend(mean(&quantity.mean));
-            row.push(significant(quantity.median, 3));
-            rows.push(row);
+            row.push(quantity.median.into());
+            rows.push((&quantity.quantity, row));
         }
     }
-    rows.sort_by(|a, b| a[0].cmp(&b[0]));
-    let note = cut(&mut rows);
-    let header = ["Quantity", "Trials", "n", "Mean", "SD", "95 % CI", "Median"];
-    let mut html = table("What was set, in the unit of each parameter; the interval is Student’s.", &header, &rows);
-    html.push_str(&note);
+    rows.sort_by_key(|(quantity, _)| *quantity);
+    rows.into_iter().for_each(|(_, row)| table.push(row));
+    let mut html = cut(table);
     if let Some(all) = matches.parts.first() {
         for quantity in all.quantities.iter().filter(|quantity| quantity.is_setting()) {
             html.push_str(&figure(
@@ -161,63 +149,57 @@ fn ratings(ratings: &Ratings) -> String {
     let mut html = String::new();
     for item in &ratings.items {
         let steps: Vec<i32> = (item.steps[0]..=item.steps[1]).collect();
-        let mut rows: Vec<Vec<String>> = Vec::new();
-        for part in &ratings.parts {
-            if let Some(rating) = part.items.iter().find(|rating| rating.item == item.item) {
-                let mut row = vec![part_name(&part.by)];
-                row.extend(steps.iter().map(|step| rating.count(*step).to_string()));
-                row.extend(mean(&rating.mean).into_iter().skip(1).take(2));
-                rows.push(row);
-            }
-        }
-        let note = cut(&mut rows);
-        let names: Vec<String> = steps.iter().map(|step| step.to_string().replace('-', "−")).collect();
+        let names: Vec<String> = steps.iter().map(ToString::to_string).collect();
         let mut header = vec!["Trials"];
         header.extend(names.iter().map(String::as_str));
         header.extend(["Mean", "SD"]);
+        let mut table = Table::new("How often each step was chosen.", &header);
+        for part in &ratings.parts {
+            if let Some(rating) = part.items.iter().find(|rating| rating.item == item.item) {
+                let mut row = vec![Cell::from(part_name(&part.by))];
+                row.extend(steps.iter().map(|step| Cell::from(rating.count(*step))));
+                row.extend([rating.mean.mean.into(), Cell::maybe(rating.mean.sd)]);
+                table.push(row);
+            }
+        }
         html.push_str(&format!("<h4>{}</h4>\n", escape(&item.item)));
         html.push_str(&figure(
             &figures::ratings(ratings, item),
             &format!("Ratings of {} by factor level; neutral ratings lie half on either side of zero.", item.item),
         ));
-        html.push_str(&table("How often each step was chosen.", &header, &rows));
-        html.push_str(&note);
+        html.push_str(&cut(table));
     }
     html
 }
 
 fn tasks(tasks: &Tasks) -> String {
-    let mut rows: Vec<Vec<String>> = tasks
-        .parts
-        .iter()
-        .map(|part| {
-            let [low, high] = part.recognised.exact95;
-            let counting = part.counting.as_ref();
-            vec![
-                part_name(&part.by),
-                part.recognised.n.to_string(),
-                share(&part.recognised),
-                format!("{} – {}", percent(low), percent(high)),
-                percent(part.equal.share),
-                percent(part.test_better.share),
-                counting.map_or_else(|| "–".to_owned(), |counting| percent(counting.exact.share)),
-                counting.map_or_else(|| "–".to_owned(), |counting| significant(counting.absolute_error.mean, 3)),
-            ]
-        })
-        .collect();
-    let note = cut(&mut rows);
-    let header = [
-        "Trials",
-        "n",
-        "Reference recognised [Wilson]",
-        "Clopper–Pearson",
-        "Equal",
-        "Test better",
-        "Exact counts",
-        "Counts off by",
-    ];
-    let html = table("Comparisons after a task, with 95 % intervals.", &header, &rows);
-    html + &note
+    let mut table = Table::new(
+        "Comparisons after a task. The reference was recognised: share with Wilson’s and with Clopper and Pearson’s 95 % interval.",
+        &[
+            "Trials",
+            "n",
+            "Recognised (%)",
+            "2.5 %",
+            "97.5 %",
+            "exact 2.5 %",
+            "exact 97.5 %",
+            "Equal (%)",
+            "Test better (%)",
+            "Exact counts (%)",
+            "Counts off by",
+        ],
+    );
+    for part in &tasks.parts {
+        let mut row = vec![part_name(&part.by).into(), part.recognised.n.into()];
+        row.extend(share(&part.recognised));
+        row.extend(part.recognised.exact95.map(|end| Cell::percent(Some(end))));
+        row.extend([part.equal.share, part.test_better.share].map(|share| Cell::percent(Some(share))));
+        let counting = part.counting.as_ref();
+        row.push(Cell::percent(counting.map(|counting| counting.exact.share)));
+        row.push(Cell::maybe(counting.map(|counting| counting.absolute_error.mean)));
+        table.push(row);
+    }
+    cut(table)
         + &figure(
             &figures::tasks(tasks),
             "How often the reference was named as the better one, both were called equal, and the test was named, with 95 % \
@@ -233,22 +215,17 @@ pub(super) fn group(input: &ReportInput) -> String {
     }
     // Single cells and how much was done are in the page's data.
     let shown = |row: &&GroupRow| row.by.len() < 2 && !matches!(row.quantity.as_str(), "moves" | "comparisons");
-    let mut rows: Vec<Vec<String>> = document
-        .group
-        .iter()
-        .filter(shown)
-        .map(|GroupRow { block, quantity, by, over_observers, .. }| {
-            let mut row = vec![block.clone(), quantity.clone(), part_name(by)];
-            row.extend(mean(over_observers));
-            row
-        })
-        .collect();
-    let note = cut(&mut rows);
-    table(
-        "Over observers, each of whom counts once. Thresholds that an observer’s data do not support are left out.",
-        &["Block", "Quantity", "Trials", "Observers", "Mean", "SD", "95 % CI"],
-        &rows,
-    ) + &note
+    let mut table = Table::new(
+        "Over observers, each of whom counts once, with Student’s 95 % interval. Thresholds that an observer’s data do not support \
+         are left out.",
+        &["Block", "Quantity", "Trials", "Observers", "Mean", "SD", "2.5 %", "97.5 %"],
+    );
+    for GroupRow { block, quantity, by, over_observers, .. } in document.group.iter().filter(shown) {
+        let mut row = vec![block.as_str().into(), quantity.as_str().into(), part_name(by).into()];
+        row.extend(mean(over_observers));
+        table.push(row);
+    }
+    cut(table)
 }
 
 /// How the blocks outside the MAR fit were analysed.
@@ -294,17 +271,15 @@ pub(super) fn forms(forms: &[FormSummary]) -> String {
     if forms.is_empty() {
         return String::new();
     }
-    let rows: Vec<Vec<String>> = forms
-        .iter()
-        .flat_map(|form| {
-            form.entries.iter().map(|(item, entry)| {
-                let entry = match entry {
-                    Entry::Number(number) => number.to_string(),
-                    Entry::Text(text) => text.clone(),
-                };
-                vec![form.form.clone(), item.clone(), entry, form.session.clone()]
-            })
-        })
-        .collect();
-    format!("<h3>Forms</h3>\n{}", table("What the participant entered.", &["Form", "Item", "Entry", "Session"], &rows))
+    let mut table = Table::new("What the participant entered.", &["Form", "Item", "Entry", "Session"]);
+    for form in forms {
+        for (item, entry) in &form.entries {
+            let entry = match entry {
+                Entry::Number(number) => Cell::from(*number),
+                Entry::Text(text) => text.as_str().into(),
+            };
+            table.push([form.form.as_str().into(), item.as_str().into(), entry, form.session.as_str().into()]);
+        }
+    }
+    format!("<h3>Forms</h3>\n{}", table.html())
 }

@@ -1,18 +1,28 @@
 //! One self-contained HTML page that reads like a short results section.
 //!
-//! Plain data in, one string out: no file, no network, no script that runs. The page carries its figures as SVG and its
+//! Plain data in, one string out: no file, no network; the one script copies tables, and nothing depends on it. The page carries its figures as SVG and its
 //! numbers as JSON (`<script type="application/json" id="parafovea-analysis">`), and reads on light and dark screens and
 //! on paper. Text that came from outside is escaped everywhere.
 
 mod blocks;
+mod methods;
+mod page;
+pub mod results;
 mod sections;
+mod tables;
+
+pub use methods::{MethodsFacts, methods_prose};
+pub use page::{Cell, Figure, Section, Table, page};
+pub use tables::{
+    AnovaRow, AnovaTable, Exclusions, FlaggedTrial, GazeQuality, GroupParameter, HierarchicalGroup, PaperRule,
+    anova_section, exclusions_section, gaze_section, group_section, paper_section,
+};
 
 use crate::answers::BlockSummary;
 use crate::figures::{GazeView, TrackPoint};
 use crate::gaze::GazeSample;
 use crate::mar::MarFit;
 use crate::summary::{Analysis, FormSummary, ObserverSummary};
-use crate::svg::escape;
 use crate::timing::Frame;
 use experiments::Display;
 use experiments::mar::MarModel;
@@ -104,29 +114,53 @@ pub fn analysis(input: &ReportInput) -> Analysis {
     Analysis::new(input.sessions.iter().map(SessionReport::summary).collect())
 }
 
+/// What a page may say beyond its sessions.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Extra {
+    /// Facts for the methods, in place of what the sessions say by themselves ([`MethodsFacts::of`]).
+    pub methods: Option<MethodsFacts>,
+    /// Sections after the overview and before the methods: group, ANOVAs, exclusions, the papers' rules, gaze quality.
+    pub sections: Vec<Section>,
+    /// Further data for the page's JSON, each under its own key; keys of the analysis itself are kept.
+    pub json: serde_json::Map<String, serde_json::Value>,
+}
+
 /// The whole page, as one HTML document in UTF-8 without any external resource.
 #[must_use]
 pub fn html(input: &ReportInput) -> String {
+    html_with(input, &Extra::default())
+}
+
+/// The page of [`html`] with further sections, facts and data.
+#[must_use]
+pub fn html_with(input: &ReportInput, extra: &Extra) -> String {
+    let own;
+    let facts = match &extra.methods {
+        Some(facts) => facts,
+        None => {
+            own = MethodsFacts::of(input);
+            &own
+        }
+    };
     let mut body = String::new();
     body.push_str(&sections::header(input));
     body.push_str(&sections::pilot(input));
     body.push_str(&sections::overview(input));
     body.push_str(&blocks::group(input));
-    body.push_str(&sections::methods(input));
-    body.push_str(&blocks::methods(input));
+    extra.sections.iter().for_each(|section| body.push_str(&section.html()));
+    if !input.sessions.is_empty() {
+        body.push_str(&sections::methods(input, facts));
+        body.push_str(&blocks::methods(input));
+    }
     for session in &input.sessions {
         body.push_str(&sections::session(session, input.sessions.len() == 1));
     }
     body.push_str(&sections::software(input));
-    // `<` never appears in the data block, so no string can close it.
-    let json = serde_json::to_string(&analysis(input)).unwrap_or_else(|_| "null".to_owned()).replace('<', "\\u003c");
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"generator\" content=\"{}\">\n<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n{body}\
-         </main>\n<script type=\"application/json\" id=\"parafovea-analysis\">{json}</script>\n</body>\n</html>\n",
-        escape(&input.program_version),
-        escape(&input.title),
-        include_str!("style.css"),
-    )
+    let mut json = serde_json::to_value(analysis(input)).unwrap_or(serde_json::Value::Null);
+    if let serde_json::Value::Object(document) = &mut json {
+        for (key, value) in &extra.json {
+            document.entry(key.clone()).or_insert_with(|| value.clone());
+        }
+    }
+    page::document(&input.title, Some(&input.program_version), &body, &json)
 }

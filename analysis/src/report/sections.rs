@@ -1,9 +1,9 @@
 //! The parts of the page, in the order in which they are read.
 
-use super::{ReportInput, SessionReport};
-use crate::mar::{Estimate, MarFit};
+use super::{Cell, MethodsFacts, ReportInput, SessionReport, Table, methods_prose};
+use crate::mar::MarFit;
 use crate::svg::escape;
-use crate::text::{degrees, facts, figure, interval, listed, milliseconds, percent, significant, table, with_interval};
+use crate::text::{degrees, facts, figure, listed, milliseconds, percent, significant, with_interval};
 use crate::{figures, gaze, timing};
 use experiments::Display;
 
@@ -43,24 +43,25 @@ pub(super) fn overview(input: &ReportInput) -> String {
         (_, []) => String::new(),
         ([_], [(_, fit)]) => format!("{}<p class=\"lead\">{}</p>\n", notice(fit), result_sentence(fit)),
         (_, many) => {
-            let rows: Vec<Vec<String>> = many
-                .iter()
-                .map(|(s, fit)| {
-                    let cell = |e: &Estimate| format!("{} [{}]", significant(e.estimate, 3), interval(e.ci95));
-                    vec![
-                        s.observer.clone(),
-                        cell(&fit.m),
-                        format!("{}{}", cell(&fit.omega0), if fit.display_limited { " †" } else { "" }),
-                        fit.trials.to_string(),
-                        if fit.support.is_supported() { "yes" } else { "no" }.to_owned(),
-                    ]
-                })
-                .collect();
-            let mut html = table(
+            let mut table = Table::new(
                 "Fitted MAR line of every observer, with 95 % intervals. m in degrees per cycle per degree, ω₀ in degrees per cycle.",
-                &["Observer", "m", "ω₀", "Trials", "Supported by the data"],
-                &rows,
+                &["Observer", "m", "2.5 %", "97.5 %", "ω₀", "2.5 %", "97.5 %", "Trials", "Remarks"],
             );
+            for (s, fit) in many {
+                let mut row = vec![Cell::from(s.observer.as_str())];
+                row.extend(Cell::estimate(&fit.m));
+                row.extend(Cell::estimate(&fit.omega0));
+                let mut remarks = Vec::new();
+                if fit.display_limited {
+                    remarks.push("ω₀ extrapolated †");
+                }
+                if !fit.support.is_supported() {
+                    remarks.push("not supported by the data");
+                }
+                row.extend([fit.trials.into(), remarks.join("; ").into()]);
+                table.push(row);
+            }
+            let mut html = table.html();
             if many.iter().any(|(_, fit)| fit.display_limited) {
                 html.push_str("<p class=\"note\">† extrapolated: finer than the display could show.</p>\n");
             }
@@ -99,49 +100,31 @@ fn notice(fit: &MarFit) -> String {
     html
 }
 
-pub(super) fn methods(input: &ReportInput) -> String {
-    let Some((first, fit)) = input.sessions.iter().find_map(|session| Some((session, session.fit.as_ref()?))) else {
+/// The methods as prose to paste, and what the numbers do and do not measure.
+pub(super) fn methods(input: &ReportInput, facts: &MethodsFacts) -> String {
+    let prose = methods_prose(facts);
+    if prose.is_empty() {
         return String::new();
-    };
-    let priors = &fit.config.priors;
-    let names: Vec<String> =
-        fit.thresholds.iter().map(|t| format!("{}°", significant(t.eccentricity_deg, 3))).collect();
-    let prior = |p: crate::mar::LogNormal| {
-        format!("median {}, SD of the logarithm {}", significant(p.median, 3), significant(p.sd_ln, 2))
-    };
-    let displays = input.sessions.iter().all(|s| s.display == first.display);
-    format!(
-        "<section>\n<h2>Methods</h2>\n\
-         <p>Trials were forced choices with a guess rate of {guess}: detail finer than a limit <var>ω</var> (degrees per cycle) \
-         was removed at one eccentricity around the gaze, at {names}, and the observer said which picture was degraded. \
-         {display}</p>\n\
-         <p>All trials of an observer entered one likelihood, ψ(<var>e</var>, <var>ω</var>) = γ + (1 − γ − λ) Φ(3.29 (ln \
-         <var>ω</var> − ln(<var>m</var> <var>e</var> + <var>ω</var><sub>0</sub>))/<var>w</var>), with the guess rate γ, the lapse \
-         rate λ and a width <var>w</var> that spans 5 % to 95 % of the rise in ln <var>ω</var>. Priors were weak: log-normal for \
-         <var>m</var> ({m}), <var>ω</var><sub>0</sub> ({omega0}) and <var>w</var> ({width}), and Beta({a}, {b}) for λ. The posterior \
-         was integrated by adaptive importance sampling on quasi-random points; estimates are posterior medians and intervals \
-         the central 95 %. The threshold of each eccentricity was fitted without the line, with width and lapse rate shared. \
-         Trials whose limit the display could not show were left out, and thresholds below it are given as upper limits.</p>\n\
-         <p><strong>What this measures.</strong> The coarsest detail limit that goes unnoticed in this content, at this \
-         eccentricity, on this display, by this observer’s criterion. It is not clinical acuity: letters, gratings, luminance and \
-         contrast would give other numbers, and a degraded ring can be betrayed by its edge or its motion. The fit assumes that MAR \
-         grows in proportion to eccentricity and that an observer answers alike throughout a session.</p>\n</section>\n",
-        guess = significant(fit.config.guess, 2),
-        names = escape(&listed(&names)),
-        display = if displays {
-            escape(&format!("The display was {}.", display_sentence(&first.display)))
-        } else {
-            "Displays differed between sessions and are given with each.".to_owned()
-        },
-        m = prior(priors.m),
-        omega0 = prior(priors.omega0),
-        width = prior(priors.width),
-        a = significant(priors.lapse_beta[0], 3),
-        b = significant(priors.lapse_beta[1], 3),
-    )
+    }
+    let paragraphs: String = prose.iter().map(|text| format!("<p>{}</p>\n", escape(text))).collect();
+    let displays =
+        input.sessions.first().is_some_and(|first| input.sessions.iter().all(|s| s.display == first.display));
+    let mut html = format!("<section>\n<h2>Methods</h2>\n{paragraphs}");
+    if !displays {
+        html.push_str("<p>Displays differed between sessions and are given with each.</p>\n");
+    }
+    if input.sessions.iter().any(|session| session.fit.is_some()) {
+        html.push_str(
+            "<p><strong>What this measures.</strong> The coarsest detail limit that goes unnoticed in this content, at this \
+             eccentricity, on this display, by this observer’s criterion. It is not clinical acuity: letters, gratings, luminance and \
+             contrast would give other numbers, and a degraded ring can be betrayed by its edge or its motion. The fit assumes that \
+             MAR grows in proportion to eccentricity and that an observer answers alike throughout a session.</p>\n",
+        );
+    }
+    html + "</section>\n"
 }
 
-fn display_sentence(display: &Display) -> String {
+pub(super) fn display_sentence(display: &Display) -> String {
     let [columns, rows] = display.resolution_px();
     let [w, h] = display.size_mm();
     let field = display.half_field_deg();
@@ -237,47 +220,38 @@ fn run_facts(session: &SessionReport) -> Vec<(String, String)> {
 
 fn parameters(session: &SessionReport, fit: &MarFit) -> String {
     let truth = session.truth.as_ref();
-    let rows: Vec<Vec<String>> = [
+    let mut header = vec!["Parameter", "Estimate", "2.5 %", "97.5 %"];
+    if truth.is_some() {
+        header.push("Simulated observer");
+    }
+    let mut table = Table::new("The fitted model, with 95 % intervals.", &header);
+    for (name, estimate, truth) in [
         ("Slope m (degrees per cycle per degree)", &fit.m, truth.map(|t| t.m)),
         ("Intercept ω₀ (degrees per cycle)", &fit.omega0, truth.map(|t| t.omega0_deg)),
         ("Width w (ln ω, 5 % to 95 %)", &fit.width, truth.map(|t| t.width)),
         ("Lapse rate λ", &fit.lapse, truth.map(|t| t.lapse)),
-    ]
-    .into_iter()
-    .map(|(name, estimate, truth)| {
-        let mut row = vec![name.to_owned(), significant(estimate.estimate, 3), interval(estimate.ci95)];
-        row.extend(truth.map(|value| significant(value, 3)));
-        row
-    })
-    .collect();
-    let mut header = vec!["Parameter", "Estimate", "95 % CI"];
-    if truth.is_some() {
-        header.push("Simulated observer");
+    ] {
+        let mut row = vec![Cell::from(name)];
+        row.extend(Cell::estimate(estimate));
+        row.extend(truth.map(Cell::from));
+        table.push(row);
     }
-    table("The fitted model.", &header, &rows)
+    table.html()
 }
 
 fn thresholds(fit: &MarFit) -> String {
-    let rows: Vec<Vec<String>> = fit
-        .thresholds
-        .iter()
-        .map(|t| {
-            let line = fit.line_at(t.eccentricity_deg);
-            vec![
-                format!("{}°", significant(t.eccentricity_deg, 3)),
-                format!("{}{}", if t.limited { "≤ " } else { "" }, significant(t.mar_deg, 3)),
-                interval(t.ci95),
-                significant(line.estimate, 3),
-                t.finest_mar_deg.map_or_else(|| "–".to_owned(), |omega| significant(omega, 3)),
-                t.trials.to_string(),
-            ]
-        })
-        .collect();
-    table(
-        "Threshold of each eccentricity, degrees per cycle. ≤ marks an upper limit set by the display.",
-        &["Eccentricity", "Threshold", "95 % CI", "Line", "Display’s finest", "Trials"],
-        &rows,
-    )
+    let mut table = Table::new(
+        "Threshold of each eccentricity, degrees per cycle, with 95 % intervals. An upper limit is set by the display.",
+        &["Eccentricity (°)", "Threshold", "2.5 %", "97.5 %", "Line", "Display’s finest", "Trials", "Remark"],
+    );
+    for t in &fit.thresholds {
+        let mut row = vec![Cell::from(t.eccentricity_deg), t.mar_deg.into()];
+        row.extend(Cell::interval(Some(t.ci95)));
+        row.extend([fit.line_at(t.eccentricity_deg).estimate.into(), Cell::maybe(t.finest_mar_deg), t.trials.into()]);
+        row.push(if t.limited { "upper limit".into() } else { Cell::Missing });
+        table.push(row);
+    }
+    table.html()
 }
 
 fn gaze_section(session: &SessionReport) -> String {

@@ -3,12 +3,11 @@
 //! [`Recorded::parse`] checks a whole CSV text and reports every mistake at once; playback then hands the samples over
 //! in session time, with the file's first sample at 0. It does not read files: whoever does names the file in messages.
 
-mod mistakes;
 mod table;
 #[cfg(test)]
 mod tests;
 
-pub use mistakes::CsvMistake;
+pub use crate::mistakes::CsvMistake;
 pub use table::COLUMNS;
 
 use super::{EyeSample, GazeSample, GazeSource};

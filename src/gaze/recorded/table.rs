@@ -1,7 +1,7 @@
 //! Reading a table of gaze samples, with every mistake at its line and column.
 
-use super::mistakes::{CsvMistake, Mistakes};
 use super::{EyeSample, GazeSample};
+use crate::mistakes::{CsvMistake, Mistakes};
 use experiments::Display;
 
 /// The columns that a gaze file may have, in the order in which sessions write them; `left_` and `right_` also go with

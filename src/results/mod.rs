@@ -3,9 +3,13 @@
 //! Sessions of one observer are summed up together, block by block, and their ring trials fitted to the MAR line; practice,
 //! aborted and unanswered trials are left out.
 
+pub mod over_observers;
+pub mod traces;
+
 use crate::error::LabError;
 use crate::session::SessionFolder;
 use analysis::answers::{BlockSummary, Protocol, Row, Summary, summarise};
+use analysis::mar::linearity::{Linearity, LinearityConfig, test_linearity};
 use analysis::summary::{Analysis, FormSummary, ObserverSummary};
 use analysis::{MarFit, MarFitConfig, MarTrial, fit_mar};
 use experiments::session::record::TrialRecord;
@@ -22,8 +26,14 @@ pub struct ObserverResult<'a> {
     pub sessions: Vec<&'a SessionFolder>,
     /// The joint fit of the MAR line, where forced choices about rings were answered.
     pub fit: Option<MarFit>,
+    /// Whether the line is one.
+    pub linearity: Option<Linearity>,
+    /// The trials of the MAR fit.
+    pub mar_trials: Vec<MarTrial>,
     /// What the answers of each block come to, in the order in which blocks were first run.
     pub blocks: Vec<BlockSummary>,
+    /// The answered trials of each block, in the blocks' order.
+    pub rows: Vec<Vec<Row>>,
     /// Forms that were filled in.
     pub forms: Vec<FormSummary>,
     /// Whether any of the sessions was a pilot run, which analyses and reports then say first.
@@ -172,13 +182,16 @@ fn observer_result<'a>(observer: &str, sessions: Vec<&'a SessionFolder>) -> Resu
     let answers = blocks(&sessions);
     let trials: Vec<MarTrial> = answers.iter().flat_map(|(_, block)| block.mar.iter().copied()).collect();
     let fit = if trials.is_empty() { None } else { Some(mar_fit(observer, first, &trials)?) };
-    let blocks = answers
+    let (blocks, rows) = answers
         .into_iter()
-        .map(|((study, block), answers)| BlockSummary {
-            in_mar_fit: fit.is_some() && !answers.mar.is_empty(),
-            ..summarise(&study, &block, answers.protocol, &answers.rows)
+        .map(|((study, block), answers)| {
+            let summary = BlockSummary {
+                in_mar_fit: fit.is_some() && !answers.mar.is_empty(),
+                ..summarise(&study, &block, answers.protocol, &answers.rows)
+            };
+            (summary, answers.rows)
         })
-        .collect();
+        .unzip();
     let forms = sessions.iter().flat_map(|session| {
         session.record.forms.iter().map(|form| FormSummary {
             session: session.name(),
@@ -191,8 +204,11 @@ fn observer_result<'a>(observer: &str, sessions: Vec<&'a SessionFolder>) -> Resu
         forms: forms.collect(),
         pilot: sessions.iter().any(|session| is_pilot(session)),
         sessions,
+        linearity: fit.as_ref().and_then(|fit| linearity(fit, &trials)),
+        mar_trials: if fit.is_some() { trials } else { Vec::new() },
         fit,
         blocks,
+        rows,
     })
 }
 
@@ -206,4 +222,17 @@ fn mar_fit(observer: &str, session: &SessionFolder, trials: &[MarTrial]) -> Resu
     fit_mar(trials, &config).map_err(|error| {
         LabError::Failed(format!("{observer}: the {} answered trials cannot be fitted: {error}", trials.len()))
     })
+}
+
+/// Simulated data sets behind a bend's p.
+const BEND_SIMULATIONS: usize = 200;
+
+/// The test of the line; nothing for data that it cannot be asked of, such as a single eccentricity.
+fn linearity(fit: &MarFit, trials: &[MarTrial]) -> Option<Linearity> {
+    let config = LinearityConfig {
+        finest_mar: fit.config.finest_mar.clone(),
+        simulations: BEND_SIMULATIONS,
+        ..LinearityConfig::default()
+    };
+    test_linearity(trials, &config).ok()
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with a table of gaze samples, each mistake at its line and column.
+//! What can be wrong with a table in a text file, each mistake at its line and column.
 
 use std::fmt;
 
@@ -33,7 +33,7 @@ pub enum CsvMistake {
 }
 
 /// Mistakes so far; the first are listed, the rest counted.
-pub(super) struct Mistakes<'a> {
+pub(crate) struct Mistakes<'a> {
     file: &'a str,
     listed: Vec<CsvMistake>,
     more: u64,
@@ -41,22 +41,22 @@ pub(super) struct Mistakes<'a> {
 
 impl<'a> Mistakes<'a> {
     /// No mistakes yet in `file`.
-    pub(super) fn of(file: &'a str) -> Self {
+    pub(crate) fn of(file: &'a str) -> Self {
         Self { file, listed: Vec::new(), more: 0 }
     }
 
     /// Whether there are none.
-    pub(super) fn none(&self) -> bool {
+    pub(crate) fn none(&self) -> bool {
         self.listed.is_empty()
     }
 
     /// Those that are listed.
-    pub(super) fn listed(&self) -> &[CsvMistake] {
+    pub(crate) fn listed(&self) -> &[CsvMistake] {
         &self.listed
     }
 
     /// Notes a mistake at its line (from 1) and column.
-    pub(super) fn add(&mut self, line: u64, column: &str, expected: impl Into<String>, found: impl fmt::Display) {
+    pub(crate) fn add(&mut self, line: u64, column: &str, expected: impl Into<String>, found: impl fmt::Display) {
         if self.listed.len() == MAX_LISTED {
             self.more += 1;
             return;
@@ -71,7 +71,7 @@ impl<'a> Mistakes<'a> {
     }
 
     /// The list, ended by a count where it was cut.
-    pub(super) fn all(mut self) -> Vec<CsvMistake> {
+    pub(crate) fn all(mut self) -> Vec<CsvMistake> {
         if self.more > 0 {
             self.listed.push(CsvMistake::More { file: self.file.to_owned(), count: self.more });
         }

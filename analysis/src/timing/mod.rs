@@ -1,6 +1,16 @@
 //! How the frames ran: intervals, missed frames, and how old the gaze was when it was drawn.
 //!
 //! Frames come as plain numbers from the session's log. A frame is missed when the stage says so; nothing is guessed here.
+//! Ages are software times, from a sample's own time to the frame's hand-over: light comes later.
+//!
+//! - [`summarise`] sums up a session's frames;
+//! - [`trials`] measures every trial: frames, gaze age, gaze loss, deviation;
+//! - [`flags`] holds trials against a rule and says which fail it and why, and leaves none out;
+//! - [`exclusion`] leaves flagged trials out, and reports which.
+
+pub mod exclusion;
+pub mod flags;
+pub mod trials;
 
 use crate::numerics::{quantile_of_sorted, sorted_finite};
 use serde::{Deserialize, Serialize};
