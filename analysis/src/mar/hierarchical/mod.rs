@@ -40,7 +40,7 @@ pub struct ObserverTrials {
     pub id: String,
     /// The answers.
     pub trials: Vec<MarTrial>,
-    /// What this observer's display could show, as in [`MarFitConfig::finest_mar`]; empty: no limit is known.
+    /// What this observer's display could show, as in [`super::MarFitConfig::finest_mar`]; empty: no limit is known.
     pub finest_mar: Vec<(f64, f64)>,
 }
 
