@@ -6,7 +6,7 @@
 //!
 //! - [`fit_psychometric`] integrates the posterior and sums it up; [`PsychometricPosterior`] gives everything that follows
 //!   from it: marginals, thresholds and slopes at any share of right answers, bands, draws;
-//! - [`likelihood_fit`] is maximum likelihood with profile intervals, AIC and BIC; [`bootstrap`] its bootstrap;
+//! - [`likelihood_fit`] is maximum likelihood with profile intervals, AIC and BIC; [`bootstrap()`] its bootstrap;
 //! - [`compare`] tests which parameters several data sets share;
 //! - [`goodness_of_fit`] is the deviance with a simulated p.
 //!
