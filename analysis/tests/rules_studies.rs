@@ -7,10 +7,9 @@ use analysis::rules::{Bootstrap, ObserverRows, RuleResult, guenter, of_block, we
 use experiments::catalogue::{Catalogue, DetailLaw, ParameterSchema, RendererInfo, SceneInfo};
 use experiments::design::assignment::Assignment;
 use experiments::observers::{Observer, Simulation};
-use experiments::session::record::{Record, TrialRecord};
+use experiments::session::record::Record;
 use experiments::session::simulate::simulate;
 use experiments::study::parse_study;
-use experiments::trial::Outcome;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -70,19 +69,6 @@ fn catalogue() -> Catalogue {
     }
 }
 
-fn row(record: &TrialRecord) -> Option<Row> {
-    let Outcome::Answered { answer, correct, found } = &record.outcome else { return None };
-    Some(Row {
-        condition: record.trial.condition.clone(),
-        factors: record.trial.factors.clone(),
-        level: record.trial.level.clone(),
-        answer: *answer,
-        correct: *correct,
-        found: found.clone(),
-        response_time_s: record.response_time_s,
-    })
-}
-
 /// One observer's rows by block, over all sittings.
 type Blocks = BTreeMap<String, Vec<Row>>;
 
@@ -102,7 +88,7 @@ fn run(study: &str, observers: usize, simulated: &str) -> Vec<(String, Blocks)> 
                 let record = Record::from_events(&simulate(&plan, seed, observer.as_mut()));
                 assert!(record.finished, "{study}: {:?}", record.ended);
                 for trial in record.trials.iter().filter(|trial| trial.counts()) {
-                    blocks.entry(trial.trial.block.clone()).or_default().extend(row(trial));
+                    blocks.entry(trial.trial.block.clone()).or_default().extend(Row::of_record(trial));
                 }
             }
             (format!("P{number:02}"), blocks)

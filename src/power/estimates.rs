@@ -1,7 +1,7 @@
 //! The estimates of one simulated observer: what `analyze` would print, as numbers with their truths.
 
 use super::expected::Before;
-use crate::results::{mar_trial, row};
+use crate::results::mar_trial;
 use analysis::answers::{Protocol, Row, Summary, summarise};
 use analysis::mar::{MarFitConfig, fit_mar};
 use analysis::power::{Quantity, Simulated};
@@ -103,7 +103,7 @@ impl<'a> Estimator<'a> {
             return Vec::new();
         }
         let protocol = Protocol::named(block.protocol.kind());
-        let rows: Vec<Row> = records.iter().filter_map(|record| row(record)).collect();
+        let rows: Vec<Row> = records.iter().filter_map(|record| Row::of_record(record)).collect();
         let summary = summarise(&self.plan.name, &block.name, protocol, &rows);
         let before =
             observed.simulation.truth.as_ref().map(|t| Before::new(self.plan, block, t, &observed.simulation.options));

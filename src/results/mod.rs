@@ -13,7 +13,6 @@ use analysis::summary::{Analysis, FormSummary, ObserverSummary};
 use analysis::{MarFit, MarFitConfig, MarTrial, fit_mar};
 use experiments::session::record::TrialRecord;
 use experiments::study::finest_mar_around;
-use experiments::trial::Outcome;
 use std::collections::BTreeMap;
 
 /// One observer's sessions and what they gave.
@@ -78,21 +77,6 @@ fn protocols(session: &SessionFolder) -> BTreeMap<String, Protocol> {
     blocks.iter().filter_map(of_block).collect()
 }
 
-/// An answered trial as analysis takes it; nothing for one without an answer.
-#[must_use]
-pub fn row(record: &TrialRecord) -> Option<Row> {
-    let Outcome::Answered { answer, correct, found } = &record.outcome else { return None };
-    Some(Row {
-        condition: record.trial.condition.clone(),
-        factors: record.trial.factors.clone(),
-        level: record.trial.level.clone(),
-        answer: *answer,
-        correct: *correct,
-        found: found.clone(),
-        response_time_s: record.response_time_s,
-    })
-}
-
 /// One block's answers, over the sessions of one observer.
 #[derive(Debug, Default)]
 struct BlockAnswers {
@@ -115,7 +99,7 @@ fn blocks(sessions: &[&SessionFolder]) -> Vec<((String, String), BlockAnswers)> 
                 blocks.len() - 1
             });
             let block = &mut blocks[index].1;
-            if let Some(row) = row(record) {
+            if let Some(row) = Row::of_record(record) {
                 block.mar.extend(mar_trial(record));
                 block.rows.push(row);
             }

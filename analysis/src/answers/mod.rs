@@ -17,7 +17,8 @@ pub use ratings::{Item, ItemRating, Ratings, RatingsPart, StepCount};
 pub use tasks::{Counting, Tasks, TasksPart};
 
 use crate::shares::Mean;
-use experiments::trial::Answer;
+use experiments::session::record::TrialRecord;
+use experiments::trial::{Answer, Outcome};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -38,6 +39,23 @@ pub struct Row {
     pub found: BTreeMap<String, f64>,
     /// From the question to the answer, seconds.
     pub response_time_s: Option<f64>,
+}
+
+impl Row {
+    /// A trial of a session's record; nothing for one without an answer.
+    #[must_use]
+    pub fn of_record(record: &TrialRecord) -> Option<Self> {
+        let Outcome::Answered { answer, correct, found } = &record.outcome else { return None };
+        Some(Self {
+            condition: record.trial.condition.clone(),
+            factors: record.trial.factors.clone(),
+            level: record.trial.level.clone(),
+            answer: *answer,
+            correct: *correct,
+            found: found.clone(),
+            response_time_s: record.response_time_s,
+        })
+    }
 }
 
 /// How the trials of a block asked.
