@@ -84,8 +84,7 @@ pub fn bootstrap(
 ) -> Result<Bootstrap, PsychometricError> {
     let surface = Surface::new(counts, fit)?;
     let (top, _) = surface.highest();
-    let function_at = |surface: &Surface, x: &[f64]| surface.posterior.function(&[x[0], x[1].exp(), x[2], x[3], x[4]]);
-    let estimate = function_at(&surface, &top);
+    let estimate = surface.function(&top);
     let samples = (0..config.samples as u64)
         .into_par_iter()
         .map(|index| {
@@ -96,7 +95,7 @@ pub fn bootstrap(
                 Resampling::NonParametric => resampled(&surface.data.counts, &mut rng),
             };
             let again = Surface::new(&answers, fit)?;
-            Ok(function_at(&again, &again.climb(&top).0))
+            Ok(again.function(&again.climb(&top).0))
         })
         .collect::<Result<Vec<_>, PsychometricError>>()?;
     Ok(Bootstrap { estimate, samples, config: *config, fit: *fit, counts: surface.data.counts })

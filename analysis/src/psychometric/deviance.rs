@@ -59,8 +59,7 @@ pub fn goodness_of_fit(
 ) -> Result<GoodnessOfFit, PsychometricError> {
     let surface = Surface::new(counts, config)?;
     let (top, _) = surface.highest();
-    let function_at = |surface: &Surface, x: &[f64]| surface.posterior.function(&[x[0], x[1].exp(), x[2], x[3], x[4]]);
-    let function = function_at(&surface, &top);
+    let function = surface.function(&top);
     let observed = deviance(&surface.data.counts, &function, config);
     let larger = (0..simulations as u64)
         .into_par_iter()
@@ -72,7 +71,7 @@ pub fn goodness_of_fit(
             let Ok(again) = Surface::new(&answers, config) else { return false };
             // The answers come from the function at the top, beside which theirs must be.
             let (best, _) = again.climb(&top);
-            deviance(&answers, &function_at(&again, &best), config) >= observed
+            deviance(&answers, &again.function(&best), config) >= observed
         })
         .count();
     Ok(GoodnessOfFit {

@@ -3,7 +3,7 @@
 use super::data::{Checked, checked};
 use super::marginal::Marginal;
 use super::maximum::maximise;
-use super::posterior::{Point, Posterior};
+use super::posterior::{Posterior, point_of};
 use super::quadrature::{Grid, integrate};
 use super::{Count, Psychometric, PsychometricConfig, PsychometricError};
 use crate::mar::Estimate;
@@ -273,7 +273,6 @@ fn histogram(spread: &[(f64, f64, f64)], [low, high]: [f64; 2]) -> Marginal {
 
 /// The highest point of the density, from the best node of the grid.
 fn mode(posterior: &Posterior, grid: &Grid, [threshold, ln_width]: [&Marginal; 2]) -> (Psychometric, f64) {
-    let to_point = |x: &[f64]| -> Point { [x[0], x[1].exp(), x[2], x[3], x[4]] };
     let mut bounds = posterior.bounds();
     bounds[1] = bounds[1].map(f64::ln);
     let scale = |sd: f64, i: usize| if sd > 0.0 { sd } else { (bounds[i][1] - bounds[i][0]).max(1e-9) };
@@ -282,7 +281,7 @@ fn mode(posterior: &Posterior, grid: &Grid, [threshold, ln_width]: [&Marginal; 2
         if high > low { (0.25 * (high - low)).max(1e-6) } else { 1.0 }
     };
     let scales = [scale(threshold.sd, 0), scale(ln_width.sd, 1), rate(2), rate(3), rate(4)];
-    let density = |x: &[f64]| posterior.ln_density(&to_point(x));
+    let density = |x: &[f64]| posterior.ln_density(&point_of(x));
     let [t, w, lapse, guess, eta] = grid.best;
     let mut best = (vec![t, w.ln(), lapse, guess, eta], f64::NEG_INFINITY);
     // A start with rates at zero finds the corner where the mode often is.
@@ -292,5 +291,5 @@ fn mode(posterior: &Posterior, grid: &Grid, [threshold, ln_width]: [&Marginal; 2
             best = found;
         }
     }
-    (posterior.function(&to_point(&best.0)), best.1)
+    (posterior.function(&point_of(&best.0)), best.1)
 }

@@ -8,7 +8,7 @@ use super::config::{Guess, Lapse, Overdispersion};
 use super::data::{Checked, checked, merged};
 use super::deviance::deviance;
 use super::maximum::maximise;
-use super::posterior::{Point, Posterior};
+use super::posterior::{Posterior, point_of};
 use super::{Count, Prior, Priors, Psychometric, PsychometricConfig, PsychometricError};
 use serde::{Deserialize, Serialize};
 use statrs::function::gamma::ln_gamma;
@@ -71,7 +71,7 @@ pub struct LikelihoodFit {
 pub fn likelihood_fit(counts: &[Count], config: &PsychometricConfig) -> Result<LikelihoodFit, PsychometricError> {
     let surface = Surface::new(counts, config)?;
     let (at, value) = surface.highest();
-    let estimate = surface.posterior.function(&to_point(&at));
+    let estimate = surface.function(&at);
     let ln_likelihood = value + ln_coefficients(&surface.data.counts);
     let parameters = surface.bounds.iter().filter(|[low, high]| low < high).count();
     let answers: f64 = surface.data.counts.iter().map(|count| f64::from(count.n)).sum();
@@ -106,10 +106,6 @@ fn ln_coefficients(counts: &[Count]) -> f64 {
         .sum()
 }
 
-fn to_point(x: &[f64]) -> Point {
-    [x[0], x[1].exp(), x[2], x[3], x[4]]
-}
-
 /// The log likelihood of one data set over (threshold, ln width, λ, γ, η), and where to look for its top.
 pub(super) struct Surface {
     pub(super) posterior: Posterior,
@@ -139,7 +135,7 @@ impl Surface {
     }
 
     pub(super) fn value(&self, x: &[f64]) -> f64 {
-        self.posterior.ln_density(&to_point(x))
+        self.posterior.ln_density(&point_of(x))
     }
 
     /// The highest point, searched from the best places of a coarse grid.
@@ -190,9 +186,14 @@ impl Surface {
         best
     }
 
+    /// The function at a place of the search.
+    pub(super) fn function(&self, x: &[f64]) -> Psychometric {
+        self.posterior.function(&point_of(x))
+    }
+
     /// The log likelihood without bounds, for data sets that share parameters.
     pub(super) fn likelihood(&self, x: &[f64]) -> f64 {
-        let [threshold, width, lapse, guess, eta] = to_point(x);
+        let [threshold, width, lapse, guess, eta] = point_of(x);
         let guess = self.posterior.guess(lapse, guess);
         self.posterior.likelihood.ln_likelihood(threshold, width, lapse, guess, eta)
     }

@@ -12,6 +12,11 @@ use super::{Psychometric, PsychometricConfig, Scale, Sigmoid};
 /// (threshold, width, λ, γ, η), threshold and width in the axis's coordinate.
 pub(super) type Point = [f64; 5];
 
+/// The point of (threshold, ln width, λ, γ, η), the coordinates of searches.
+pub(super) fn point_of(x: &[f64]) -> Point {
+    [x[0], x[1].exp(), x[2], x[3], x[4]]
+}
+
 /// The posterior of one data set.
 #[derive(Debug, Clone)]
 pub(super) struct Posterior {

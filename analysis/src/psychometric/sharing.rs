@@ -141,9 +141,9 @@ fn hypothesis(surfaces: &[Surface], tops: &[Vec<f64>], shared: &[Parameter], fro
             scales.push(surface.scales[i]);
         }
     }
-    let point_of = |x: &[f64], group: usize| -> [f64; 5] { std::array::from_fn(|i| x[slots[group][i]]) };
+    let place_of = |x: &[f64], group: usize| -> [f64; 5] { std::array::from_fn(|i| x[slots[group][i]]) };
     let value = |x: &[f64]| {
-        surfaces.iter().enumerate().map(|(group, surface)| surface.likelihood(&point_of(x, group))).sum::<f64>()
+        surfaces.iter().enumerate().map(|(group, surface)| surface.likelihood(&place_of(x, group))).sum::<f64>()
     };
     let (at, ln_likelihood) = super::maximum::maximise(value, &start, &bounds, &scales);
     let parameters = bounds.iter().filter(|[low, high]| low < high).count();
@@ -152,10 +152,7 @@ fn hypothesis(surfaces: &[Surface], tops: &[Vec<f64>], shared: &[Parameter], fro
         functions: surfaces
             .iter()
             .enumerate()
-            .map(|(group, surface)| {
-                let [threshold, ln_width, lapse, guess, eta] = point_of(&at, group);
-                surface.posterior.function(&[threshold, ln_width.exp(), lapse, guess, eta])
-            })
+            .map(|(group, surface)| surface.function(&place_of(&at, group)))
             .collect(),
         ln_likelihood,
         parameters,
