@@ -12,11 +12,10 @@
 use crate::mar::{Estimate, Support};
 use crate::numerics::normal_cdf_pair;
 use crate::psychometric::{Direction, Scale};
+use experiments::mar::WIDTH_SCALE;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Scale of a width from 5 % to 95 % of a cumulative Gaussian, in standard deviations.
-const WIDTH_IN_SD: f64 = 3.289_707_253_902_945;
 /// Points of the grid.
 const THRESHOLDS: usize = 61;
 const WIDTHS: usize = 25;
@@ -109,7 +108,7 @@ pub fn fit_comparison(counts: &[Compared], scale: Scale, direction: Direction) -
     let mut largest = f64::NEG_INFINITY;
     for (i, &threshold) in thresholds.iter().enumerate() {
         for (j, &ln_width) in ln_widths.iter().enumerate() {
-            let seen = |x: &f64| normal_cdf_pair(WIDTH_IN_SD * (x - threshold) / ln_width.exp()).0;
+            let seen = |x: &f64| normal_cdf_pair(WIDTH_SCALE * (x - threshold) / ln_width.exp()).0;
             let bins: Vec<usize> = xs.iter().map(|x| Table::bin(d_of(seen(x)))).collect();
             for (k, &zone) in zones.iter().enumerate() {
                 let of_lapses = (0..LAPSES.len()).map(|lapse| {
@@ -241,7 +240,7 @@ mod tests {
         (8..=22)
             .map(|j| {
                 let level = f64::from(j);
-                let d = d_of(normal_cdf_pair(WIDTH_IN_SD * (threshold - level) / width).0);
+                let d = d_of(normal_cdf_pair(WIDTH_SCALE * (threshold - level) / width).0);
                 let mut count = Compared { level, reference: 0, same: 0, test: 0 };
                 for _ in 0..each {
                     let u: f64 = rng.random();
