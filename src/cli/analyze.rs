@@ -35,7 +35,10 @@ pub(super) fn run(args: &AnalyzeArgs) -> Result<(), LabError> {
         args.sessions.iter().map(|path| SessionFolder::open(path)).collect::<Result<_, _>>()?;
     sessions.iter().flat_map(SessionFolder::notices).for_each(|notice| say(&notice));
     let results = fit_sessions(&sessions)?;
-    let together = over_observers(&results);
+    let mut together = over_observers(&results);
+    if args.json || args.report.is_some() {
+        together = together.with_linearity(&results);
+    }
     if let Some(path) = &args.report {
         let quality = quality(results.iter().flat_map(|result| result.sessions.iter().copied()))?;
         crate::report::write(&results, &together, &quality, path)?;

@@ -58,7 +58,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     let results = fit_sessions(&sessions)?;
     let report = folder.with_extension("report.html");
     let quality = quality(results.iter().flat_map(|result| result.sessions.iter().copied()))?;
-    crate::report::write(&results, &over_observers(&results), &quality, &report)?;
+    crate::report::write(&results, &over_observers(&results).with_linearity(&results), &quality, &report)?;
 
     say("3. The tables");
     let tables = folder.with_extension("csv");

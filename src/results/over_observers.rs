@@ -73,11 +73,25 @@ pub fn over_observers(results: &[ObserverResult<'_>]) -> OverObservers {
         Some(Ok(fit)) => (Some(fit), None),
         Some(Err(reason)) => (None, Some(reason)),
     };
-    let linearity = results
-        .iter()
-        .filter_map(|result| Some((result.observer.clone(), linearity(result.fit.as_ref()?, &result.mar_trials)?)))
-        .collect();
-    OverObservers { group_mar, no_group_mar, linearity, anovas: anovas(results), rules: rules(results) }
+    OverObservers {
+        group_mar,
+        no_group_mar,
+        linearity: BTreeMap::new(),
+        anovas: anovas(results),
+        rules: rules(results),
+    }
+}
+
+impl OverObservers {
+    /// Adds the test of every observer's line. Its bend needs hundreds of simulated data sets, so that it is made only for
+    /// documents that show it.
+    #[must_use]
+    pub fn with_linearity(mut self, results: &[ObserverResult<'_>]) -> Self {
+        let test = |result: &ObserverResult<'_>| linearity(result.fit.as_ref()?, &result.mar_trials);
+        let tests = results.iter().filter_map(|result| Some((result.observer.clone(), test(result)?)));
+        self.linearity = tests.collect();
+        self
+    }
 }
 
 fn pooled(results: &[ObserverResult<'_>]) -> Option<Result<HierarchicalFit, String>> {
