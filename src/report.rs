@@ -3,7 +3,7 @@
 use crate::error::LabError;
 use crate::results::ObserverResult;
 use crate::results::over_observers::OverObservers;
-use crate::results::traces::Quality;
+use crate::results::traces::{Quality, stimulus_windows_s};
 use crate::session::SessionFolder;
 use analysis::MarFit;
 use analysis::answers::{BlockSummary, Summary};
@@ -246,25 +246,17 @@ fn track(session: &SessionFolder) -> Vec<TrackPoint> {
 /// Gaze samples that fell into a stimulus interval, both tables read once in order of time.
 fn gaze_during_stimuli(session: &SessionFolder) -> Result<Vec<GazeSample>, LabError> {
     let fixation = session.fixation_deg();
-    let mut intervals: Vec<(f64, f64)> = Vec::new();
-    for trial in &session.record.trials {
-        for (index, phase) in trial.phases.iter().enumerate() {
-            if phase.shown.is_some() {
-                let ended_s = trial.phases.get(index + 1).map_or(trial.ended_s, |next| next.began_s);
-                intervals.push((phase.began_s, ended_s));
-            }
-        }
-    }
+    let intervals: Vec<[f64; 2]> = session.record.trials.iter().flat_map(stimulus_windows_s).collect();
     let mut next = 0;
     let table = session.gaze()?;
     Ok(table
         .rows
         .into_iter()
         .filter_map(|row| {
-            while intervals.get(next).is_some_and(|&(_, ended_s)| ended_s <= row.t_s) {
+            while intervals.get(next).is_some_and(|&[_, ended_s]| ended_s <= row.t_s) {
                 next += 1;
             }
-            let &(began_s, _) = intervals.get(next)?;
+            let &[began_s, _] = intervals.get(next)?;
             (row.t_s >= began_s).then(|| GazeSample {
                 t_s: row.t_s,
                 position_deg: [row.x_deg, row.y_deg],

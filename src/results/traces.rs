@@ -8,6 +8,7 @@ use analysis::gaze::quality::{DataQuality, QualityConfig, data_quality};
 use analysis::gaze::{GazeSample, Target, TargetPlace, TrialId, TrialTrace};
 use analysis::timing::Frame;
 use analysis::timing::flags::{FlagReport, FlagRule, flag_trials};
+use experiments::session::record::TrialRecord;
 use serde::Serialize;
 
 /// What the gaze of one session comes to.
@@ -68,6 +69,14 @@ pub fn quality<'a>(sessions: impl IntoIterator<Item = &'a SessionFolder>) -> Res
     Ok(result)
 }
 
+/// When a trial showed a stimulus: each phase's beginning and end, seconds.
+pub fn stimulus_windows_s(trial: &TrialRecord) -> impl Iterator<Item = [f64; 2]> {
+    trial.phases.iter().enumerate().filter(|(_, phase)| phase.shown.is_some()).map(|(index, phase)| {
+        let ended_s = trial.phases.get(index + 1).map_or(trial.ended_s, |next| next.began_s);
+        [phase.began_s, ended_s]
+    })
+}
+
 /// All samples of a session, and its trials with theirs.
 fn session_traces(session: &SessionFolder) -> Result<(Vec<GazeSample>, Vec<TrialTrace>), LabError> {
     let fixation = session.fixation_deg();
@@ -87,15 +96,7 @@ fn session_traces(session: &SessionFolder) -> Result<(Vec<GazeSample>, Vec<Trial
     let targets_are_logged = frames.iter().any(|row| row.target_x_deg.is_some());
     let mut traces = Vec::new();
     for trial in session.record.trials.iter().filter(|trial| !trial.trial.practice) {
-        let mut stimulus_s: Vec<[f64; 2]> = Vec::new();
-        for (index, phase) in trial.phases.iter().enumerate() {
-            if phase.shown.is_some() {
-                let ended_s = trial.phases.get(index + 1).map_or(trial.ended_s, |next| next.began_s);
-                if ended_s > phase.began_s {
-                    stimulus_s.push([phase.began_s, ended_s]);
-                }
-            }
-        }
+        let stimulus_s: Vec<[f64; 2]> = stimulus_windows_s(trial).filter(|[began, ended]| ended > began).collect();
         if stimulus_s.is_empty() {
             continue;
         }
