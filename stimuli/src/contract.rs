@@ -29,6 +29,8 @@ pub struct FrameInput {
 /// What a frame cost.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameCost {
+    /// Triangles that were handed to the rasteriser, those outside the view among them; 0 for scenes without any.
+    pub triangles: u64,
     /// Pixels whose colour was computed in this frame: every pixel of every target that the scene drew, plus every
     /// display pixel that the renderer filtered. Copies, and the blending of layers into the display, are not counted.
     /// A picture that had not changed was not drawn, and counts nothing.
@@ -81,24 +83,81 @@ pub struct DrawCost {
     pub pixels_shaded: u64,
     /// Camera rays traced.
     pub rays_traced: u64,
+    /// Triangles handed to the rasteriser.
+    pub triangles: u64,
+}
+
+impl DrawCost {
+    /// What it costs to shade every pixel of `view` once.
+    #[must_use]
+    pub fn of_pixels(view: &View) -> Self {
+        Self { pixels_shaded: view.pixels(), ..Self::default() }
+    }
+
+    /// The same as a frame's cost.
+    #[must_use]
+    pub fn in_frame(self, gpu_time_s: Option<f64>) -> FrameCost {
+        let Self { pixels_shaded, rays_traced, triangles } = self;
+        FrameCost { pixels_shaded, rays_traced, triangles, gpu_time_s }
+    }
 }
 
 impl std::ops::AddAssign for DrawCost {
     fn add_assign(&mut self, other: Self) {
         self.pixels_shaded += other.pixels_shaded;
         self.rays_traced += other.rays_traced;
+        self.triangles += other.triangles;
+    }
+}
+
+/// What is to be drawn, and how finely.
+#[derive(Debug, Clone, Copy)]
+pub struct DrawRequest<'a> {
+    /// The part of the display, and the target's pixels.
+    pub view: View,
+    /// Time on the scene's clock, seconds.
+    pub animation_s: f64,
+    /// Whether the edges of geometry are sampled four times a pixel (hardware multisampling). Scenes without geometry
+    /// have no such edges and leave it out.
+    pub multisampled: bool,
+    /// Share of the full number of triangles that curved surfaces are divided into, 0–1.
+    pub detail: f64,
+    /// Where to write how everything has moved, for renderers that use older pictures again.
+    pub motion: Option<MotionRequest<'a>>,
+    /// Where to count what is shaded; see [`crate::tally`].
+    pub tally: Option<&'a crate::tally::Tally>,
+}
+
+/// Asks for the motion of everything in view since an earlier picture.
+///
+/// A texel of the target holds, for the surface in its pixel's middle: how many display pixels further right and further
+/// down it stood at `since_s`; one over its distance along the viewing axis then, and one over that distance now (0 for
+/// what is infinitely far). A flat picture that is fixed to the display has (0, 0, 1, 1).
+#[derive(Debug, Clone, Copy)]
+pub struct MotionRequest<'a> {
+    /// Time on the scene's clock of the earlier picture, seconds.
+    pub since_s: f64,
+    /// Has [`LINEAR_FORMAT`] and at least as many pixels as the view's target.
+    pub target: &'a wgpu::TextureView,
+}
+
+impl DrawRequest<'_> {
+    /// `view` at `animation_s` as the reference shows it: smooth edges, every triangle.
+    #[must_use]
+    pub fn of(view: View, animation_s: f64) -> Self {
+        Self { view, animation_s, multisampled: true, detail: 1.0, motion: None, tally: None }
     }
 }
 
 /// A picture of something, at any sampling.
 ///
-/// A scene is made for one display, so that a degree in the scene is a degree on the display. Its light is linear and
-/// relative to the display's peak: 0 is black, 1 is what the display can show at most. A scene with brighter things
-/// brings them into that range itself, because only then does a filter act on what the observer would have seen.
+/// A scene is made for one display, so that a degree in the scene is a degree on the display. Its light is linear: 0 is
+/// black, and what [`Scene::light`] makes of it is shown. Flat pictures are relative to the display's peak, so that 1 is
+/// the most it can show; scenes of light and surfaces may be brighter.
 pub trait Scene: Send {
-    /// Records the drawing of `view` at `animation_s` into `target`.
+    /// Records the drawing of `request` into `target`.
     ///
-    /// `target` has [`LINEAR_FORMAT`] and at least `view.target_px` pixels; the top left `view.target_px` of them are
+    /// `target` has [`LINEAR_FORMAT`] and at least `request.view.target_px` pixels; the top left `target_px` of them are
     /// overwritten, alpha with 1. At a step of one display pixel every pixel is sampled at its centre; at larger steps
     /// the scene filters what it can (a photograph is averaged over the footprint).
     ///
@@ -108,16 +167,46 @@ pub trait Scene: Send {
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        view: &View,
-        animation_s: f64,
+        request: &DrawRequest<'_>,
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError>;
+
+    /// How the scene's light is brought to a display.
+    fn light(&self) -> SceneLight {
+        SceneLight::default()
+    }
 
     /// Whether the picture at `to_s` may differ from the one at `from_s`. A static picture is drawn once.
     fn picture_changes(&self, from_s: f64, to_s: f64) -> bool;
 
     /// Which scene this is: two scenes of one process never share it, so that a renderer knows when its cache is stale.
     fn identity(&self) -> SceneIdentity;
+}
+
+/// How a scene's light is brought into the range of a display: the first two steps of the display transform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SceneLight {
+    /// What every value is multiplied with, at least 0.
+    pub exposure: f64,
+    /// How what is too bright is compressed.
+    pub tone_map: ToneMap,
+}
+
+impl Default for SceneLight {
+    /// For pictures that are relative to the display's peak already.
+    fn default() -> Self {
+        Self { exposure: 1.0, tone_map: ToneMap::Clamp }
+    }
+}
+
+/// How light is compressed into 0–1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ToneMap {
+    /// What is brighter than 1 is shown as 1; the rest is unchanged.
+    #[default]
+    Clamp,
+    /// A filmic curve: linear in the shadows, with a shoulder that ends at 1.
+    Filmic,
 }
 
 /// Tells scenes of one process apart. See [`Scene::identity`].
@@ -134,17 +223,47 @@ impl SceneIdentity {
     }
 }
 
+/// What one layer of a frame cost, for renderers that draw in layers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LayerCost {
+    /// The layer's name: `inner`, `middle`, `outer`.
+    pub name: &'static str,
+    /// What it shows of the display, and at how many pixels; `None` where it does not touch the display.
+    pub view: Option<View>,
+    /// Whether it was drawn in this frame, or shown once more.
+    pub drawn: bool,
+    /// What its drawing cost; nothing where it was not drawn.
+    pub cost: DrawCost,
+    /// GPU time of its last drawing that was measured, seconds.
+    pub gpu_time_s: Option<f64>,
+}
+
 /// A way to turn a scene into a frame.
 ///
 /// To write one: one Rust file and one WGSL file in `renderers/`, and one line in [`crate::registry`].
 pub trait Renderer: Send {
     /// Renders one frame into [`Renderer::output`]. The work is submitted, not waited for.
     ///
-    /// The same scene, parameters and input give the same picture, whatever was rendered before.
+    /// The same scene, parameters and input give the same picture, whatever was rendered before; for a renderer that
+    /// [remembers](Renderer::remembers), the same frames since [`Renderer::begin`] do.
     ///
     /// # Errors
     /// When the scene cannot be drawn or the device has failed.
     fn render(&mut self, gpu: &Gpu, scene: &mut dyn Scene, frame: &FrameInput) -> Result<FrameCost, RenderError>;
+
+    /// Begins a presentation: nothing of the frames before is used again.
+    fn begin(&mut self) {}
+
+    /// Whether a picture may depend on the frames since [`Renderer::begin`], so that even a still scene under a still
+    /// gaze must be drawn at every frame.
+    fn remembers(&self) -> bool {
+        false
+    }
+
+    /// What the layers of the last frame cost, innermost first; empty for renderers without layers.
+    fn layer_costs(&self) -> &[LayerCost] {
+        &[]
+    }
 
     /// The last frame: linear light, [`LINEAR_FORMAT`], as many pixels as the display. Black before the first frame.
     fn output(&self) -> &wgpu::Texture;

@@ -13,6 +13,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod readback;
 pub mod registry;
+pub mod tally;
 
 mod parameters;
 mod pass;
@@ -22,7 +23,8 @@ mod tiles;
 mod timing;
 
 pub use contract::{
-    DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
+    DrawCost, DrawRequest, FrameCost, FrameInput, LINEAR_FORMAT, LayerCost, MakeError, MotionRequest, RenderError,
+    Renderer, Scene, SceneIdentity, SceneLight, ToneMap, View,
 };
 pub use display_pass::{Background, Disc, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};

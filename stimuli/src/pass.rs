@@ -100,6 +100,17 @@ pub(crate) fn draw(
     target: &wgpu::TextureView,
     extent: Extent<'_>,
 ) {
+    draw_with(encoder, pipeline, &[bind_group], target, extent);
+}
+
+/// As [`draw`], with bind groups 0, 1, ….
+pub(crate) fn draw_with(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::RenderPipeline,
+    bind_groups: &[&wgpu::BindGroup],
+    target: &wgpu::TextureView,
+    extent: Extent<'_>,
+) {
     let keep = matches!(extent, Extent::Boxes(_));
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: None,
@@ -115,7 +126,9 @@ pub(crate) fn draw(
         ..Default::default()
     });
     pass.set_pipeline(pipeline);
-    pass.set_bind_group(0, bind_group, &[]);
+    for (&bind_group, index) in bind_groups.iter().zip(0..) {
+        pass.set_bind_group(index, bind_group, &[]);
+    }
     match extent {
         Extent::All => pass.draw(0..3, 0..1),
         Extent::Corner([width, height]) => {
@@ -130,6 +143,20 @@ pub(crate) fn draw(
             }
         }
     }
+}
+
+/// Records the filling of `target` with one value.
+pub(crate) fn clear(encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, colour: wgpu::Color) {
+    let _ = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("clear"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(colour), store: wgpu::StoreOp::Store },
+        })],
+        ..Default::default()
+    });
 }
 
 /// A texture that passes can draw, read and copy.
@@ -234,6 +261,7 @@ mod tests {
             ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
+            ("tally", crate::tally::WGSL),
         ];
         for (name, wgsl) in shaders {
             let source = format!("{GEOMETRY_WGSL}\n{wgsl}");

@@ -161,6 +161,24 @@ impl PendingBytes {
     }
 }
 
+/// The bytes of a buffer that can be copied from, waiting for the GPU.
+pub(crate) fn buffer_bytes(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
+    let copy = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
+    gpu.queue.submit([encoder.finish()]);
+    // Whether it worked shows when the bytes are taken.
+    copy.map_async(wgpu::MapMode::Read, .., |_| {});
+    gpu.wait()?;
+    let mapped = copy.get_mapped_range(..).map_err(|error| GpuError::Fault(error.to_string()))?;
+    Ok(mapped.to_vec())
+}
+
 fn fault(reason: &impl ToString) -> ReadbackError {
     ReadbackError::Gpu(GpuError::Fault(reason.to_string()))
 }

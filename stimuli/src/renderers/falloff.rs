@@ -33,7 +33,7 @@
 //! A moving scene pays for the first frame every time. Each low-passed picture takes eight bytes per display pixel, and
 //! its working pictures up to sixteen; there are eleven to each tenfold growth of σ, and only as many as the frame needs.
 
-use crate::contract::{FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene};
+use crate::contract::{DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene};
 use crate::foveation::low_pass::SIGMA_PER_MAR;
 use crate::geometry::{Cone, PixelBox};
 use crate::gpu::Gpu;
@@ -263,7 +263,7 @@ impl Renderer for Falloff {
         let gpu_time_s = self.timer.submit(gpu, encoder);
         gpu.check()?;
         self.shown = wanted;
-        Ok(FrameCost { pixels_shaded: drawn.pixels_shaded + filtered, rays_traced: drawn.rays_traced, gpu_time_s })
+        Ok(DrawCost { pixels_shaded: drawn.pixels_shaded + filtered, ..drawn }.in_frame(gpu_time_s))
     }
 
     fn output(&self) -> &wgpu::Texture {

@@ -5,7 +5,8 @@
 //! reprojection, and outer layers at half rate (§4.2), so coarse layers alias as a single frame of theirs would.
 
 use crate::contract::{
-    DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
+    DrawCost, DrawRequest, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene,
+    SceneIdentity, View,
 };
 use crate::foveation::plan::{LayerPlan, optimise, slope_from_quality_index};
 use crate::geometry::{Cone, GeometryUniform, PixelBox};
@@ -171,7 +172,7 @@ impl Renderer for Layers {
             let size = view.as_ref().map_or([1, 1], |view| view.target_px);
             let target = pass::view(pass::at_least(gpu, slot, "layer", size, LINEAR_FORMAT));
             if let Some(view) = view {
-                drawn += scene.draw(gpu, &mut encoder, view, frame.animation_s, &target)?;
+                drawn += scene.draw(gpu, &mut encoder, &DrawRequest::of(*view, frame.animation_s), &target)?;
             }
             target_views.push(target);
         }
@@ -200,7 +201,7 @@ impl Renderer for Layers {
         let gpu_time_s = self.timer.submit(gpu, encoder);
         gpu.check()?;
         self.shown = Some((scene.identity(), frame.animation_s, frame.gaze_deg));
-        Ok(FrameCost { pixels_shaded: drawn.pixels_shaded, rays_traced: drawn.rays_traced, gpu_time_s })
+        Ok(drawn.in_frame(gpu_time_s))
     }
 
     fn output(&self) -> &wgpu::Texture {

@@ -1,7 +1,9 @@
 //! The scene at the display's full resolution: what every foveated picture is compared with. A picture that does not
 //! change is drawn once.
 
-use crate::contract::{DrawCost, FrameCost, FrameInput, MakeError, RenderError, Renderer, Scene, SceneIdentity, View};
+use crate::contract::{
+    DrawCost, DrawRequest, FrameCost, FrameInput, MakeError, RenderError, Renderer, Scene, SceneIdentity, View,
+};
 use crate::gpu::Gpu;
 use crate::pass;
 use crate::timing::GpuTimer;
@@ -52,7 +54,7 @@ impl ReferencePicture {
         }
         self.drawn = None;
         let view = View::full([self.texture.width(), self.texture.height()]);
-        let cost = scene.draw(gpu, encoder, &view, animation_s, &self.view)?;
+        let cost = scene.draw(gpu, encoder, &DrawRequest::of(view, animation_s), &self.view)?;
         self.drawn = Some((scene.identity(), animation_s));
         Ok(cost)
     }
@@ -78,7 +80,7 @@ impl Renderer for Reference {
         let drawn = self.picture.update(gpu, &mut encoder, scene, frame.animation_s)?;
         let gpu_time_s = self.timer.submit(gpu, encoder);
         gpu.check()?;
-        Ok(FrameCost { pixels_shaded: drawn.pixels_shaded, rays_traced: drawn.rays_traced, gpu_time_s })
+        Ok(drawn.in_frame(gpu_time_s))
     }
 
     fn output(&self) -> &wgpu::Texture {

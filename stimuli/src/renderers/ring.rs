@@ -24,7 +24,7 @@
 //! The filtered picture does not depend on the gaze. What a frame needs of it is made once for a picture and an omega, and
 //! a frame in which only the gaze has moved makes little more than the mixing of the two pictures in the ring.
 
-use crate::contract::{FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene};
+use crate::contract::{DrawCost, FrameCost, FrameInput, LINEAR_FORMAT, MakeError, RenderError, Renderer, Scene};
 use crate::geometry::{Cone, GeometryUniform, PixelBox};
 use crate::gpu::Gpu;
 use crate::parameters::number;
@@ -182,7 +182,7 @@ impl Renderer for Ring {
         let gpu_time_s = self.timer.submit(gpu, encoder);
         gpu.check()?;
         self.shown = wanted;
-        Ok(FrameCost { pixels_shaded: drawn.pixels_shaded + filtered, rays_traced: drawn.rays_traced, gpu_time_s })
+        Ok(DrawCost { pixels_shaded: drawn.pixels_shaded + filtered, ..drawn }.in_frame(gpu_time_s))
     }
 
     fn output(&self) -> &wgpu::Texture {

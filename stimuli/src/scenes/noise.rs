@@ -2,7 +2,7 @@
 //! on which a filter's amplitude spectrum can be measured, and a real stimulus in its own right.
 
 use super::ViewUniform;
-use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, DrawRequest, MakeError, RenderError, Scene, SceneIdentity};
 use crate::gpu::Gpu;
 use crate::parameters::number;
 use crate::pass::{self, Extent};
@@ -61,15 +61,15 @@ impl Scene for Noise {
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        view: &View,
-        _: f64,
+        request: &DrawRequest<'_>,
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError> {
+        let view = &request.view;
         let uniform =
             Uniform { view: ViewUniform::new(view), seed: self.seed, contrast: self.contrast, reserved: [0.0; 2] };
         let bind_group = pass::bind(gpu, &self.pipeline, &pass::uniform(gpu, &uniform), &[]);
         pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::Corner(view.target_px));
-        Ok(DrawCost { pixels_shaded: view.pixels(), rays_traced: 0 })
+        Ok(super::flat_picture_drawn(gpu, encoder, request))
     }
 
     fn picture_changes(&self, _: f64, _: f64) -> bool {

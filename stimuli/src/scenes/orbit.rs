@@ -3,7 +3,7 @@
 //! degree in the scene is a degree on the display, whatever its size and distance.
 
 use super::ViewUniform;
-use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, DrawRequest, MakeError, RenderError, Scene, SceneIdentity, View};
 use crate::geometry::GeometryUniform;
 use crate::gpu::Gpu;
 use crate::parameters::{number, text};
@@ -279,14 +279,15 @@ impl Scene for Orbit {
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        view: &View,
-        animation_s: f64,
+        request: &DrawRequest<'_>,
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError> {
-        let uniform = pass::uniform(gpu, &self.uniform(view, animation_s));
+        let view = &request.view;
+        let uniform = pass::uniform(gpu, &self.uniform(view, request.animation_s));
         let bind_group = pass::bind(gpu, &self.pipeline, &uniform, &[&self.environment]);
         pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::Corner(view.target_px));
-        Ok(DrawCost { pixels_shaded: view.pixels(), rays_traced: view.pixels() })
+        super::tally_view(gpu, encoder, request);
+        Ok(DrawCost { rays_traced: view.pixels(), ..DrawCost::of_pixels(view) })
     }
 
     fn picture_changes(&self, from_s: f64, to_s: f64) -> bool {

@@ -2,7 +2,7 @@
 //! 2019, §5.1, extended their patches). Unscaled, every display pixel is exactly one pixel of the photograph.
 
 use super::ViewUniform;
-use crate::contract::{DrawCost, MakeError, RenderError, Scene, SceneIdentity, View};
+use crate::contract::{DrawCost, DrawRequest, MakeError, RenderError, Scene, SceneIdentity};
 use crate::display_pass::linear_from_srgb8;
 use crate::gpu::Gpu;
 use crate::parameters::{number, text};
@@ -119,17 +119,17 @@ impl Scene for Photo {
         &mut self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
-        view: &View,
-        _: f64,
+        request: &DrawRequest<'_>,
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError> {
+        let view = &request.view;
         let uniform = Uniform { view: ViewUniform::new(view), tile_px: self.tile_px, scale: self.scale, reserved: 0.0 };
         // With larger photograph pixels, too, one sample is enough; with smaller ones each pixel holds several.
         let at_pixels = view.step_px() == [1.0; 2] && self.scale >= 1.0;
         let pipeline = if at_pixels { &self.sampled } else { &self.pipeline };
         let bind_group = pass::bind(gpu, pipeline, &pass::uniform(gpu, &uniform), &[&self.photograph]);
         pass::draw(encoder, pipeline, &bind_group, target, Extent::Corner(view.target_px));
-        Ok(DrawCost { pixels_shaded: view.pixels(), rays_traced: 0 })
+        Ok(super::flat_picture_drawn(gpu, encoder, request))
     }
 
     fn picture_changes(&self, _: f64, _: f64) -> bool {
