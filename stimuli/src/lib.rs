@@ -21,6 +21,8 @@ mod renderers;
 mod scenes;
 mod tiles;
 mod timing;
+#[allow(dead_code, reason = "being built")]
+mod world;
 
 pub use contract::{
     DrawCost, DrawRequest, FrameCost, FrameInput, LINEAR_FORMAT, LayerCost, MakeError, MotionRequest, RenderError,
