@@ -3,6 +3,7 @@
 //! every renderer.
 
 use crate::gpu::{Gpu, GpuError};
+use crate::surfaces::Surfaces;
 use experiments::catalogue::{ParameterError, Parameters};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -170,6 +171,12 @@ pub trait Scene: Send {
         request: &DrawRequest<'_>,
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError>;
+
+    /// The scene's surfaces, for renderers that shade or trace by themselves; `None` for flat pictures and for scenes that
+    /// are more than surfaces.
+    fn surfaces(&mut self) -> Option<&mut dyn Surfaces> {
+        None
+    }
 
     /// How the scene's light is brought to a display.
     fn light(&self) -> SceneLight {
