@@ -258,12 +258,11 @@ mod tests {
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
             ("falloff", crate::renderers::falloff::WGSL),
-            ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
             ("tally", crate::tally::WGSL),
         ];
-        for (name, wgsl) in shaders {
+        for (name, wgsl) in shaders.into_iter().chain(crate::renderers::layers::SHADERS) {
             let source = format!("{GEOMETRY_WGSL}\n{wgsl}");
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
