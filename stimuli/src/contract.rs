@@ -233,7 +233,7 @@ impl SceneIdentity {
 /// What one layer of a frame cost, for renderers that draw in layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerCost {
-    /// The layer's name: `inner`, `middle`, `outer`.
+    /// The layer's name: `inner`, `middle`, `outer`; of four layers the third is the `far middle`.
     pub name: &'static str,
     /// What it shows of the display, and at how many pixels; `None` where it does not touch the display.
     pub view: Option<View>,
