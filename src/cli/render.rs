@@ -81,9 +81,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), LabError> {
     let mut renderer = registry::make_renderer(&gpu, &display, &args.renderer, &of_renderer)?;
     let frame = FrameInput { gaze_deg: args.gaze, animation_s: args.time, ..FrameInput::default() };
     let cost = renderer.render(&gpu, scene.as_mut(), &frame)?;
-    let pass = DisplayPass::new(&gpu, wgpu::TextureFormat::Rgba8Unorm);
+    let pass = DisplayPass::for_display(&gpu, wgpu::TextureFormat::Rgba8Unorm, &display);
     let [width, height] = display.resolution_px();
-    let background = Background::Picture(renderer.output());
+    let background = Background::Picture(renderer.output(), scene.light());
     let picture = readback::displayed(&gpu, &pass, [width, height], background, None)
         .map_err(|error| LabError::Failed(error.to_string()))?;
     picture

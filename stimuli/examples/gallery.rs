@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let moving = renderer.render(&gpu, scene.as_mut(), &frame)?;
             gpu.wait()?;
             let wall_ms = begin.elapsed().as_secs_f64() * 1e3;
-            let picture = Background::Picture(renderer.output());
+            let picture = Background::Picture(renderer.output(), scene.light());
             let file = folder.join(format!("stimuli-{scene_name}-{renderer_name}.png"));
             readback::displayed(&gpu, &display_pass, display.resolution_px(), picture, None)?.save(&file)?;
             writeln!(

@@ -14,6 +14,7 @@ pub mod gpu;
 pub mod readback;
 pub mod registry;
 pub mod tally;
+pub mod tone;
 
 mod parameters;
 mod pass;

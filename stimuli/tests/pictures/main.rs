@@ -8,6 +8,7 @@ mod common;
 mod contract;
 mod falloff;
 mod layers;
+mod light;
 mod oracle;
 mod ring;
 mod scenes;
