@@ -39,10 +39,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             ("rate".to_owned(), ParameterValue::Number(rate)),
         ])
     };
+    let spectrum = Parameters::from([("spectrum_exponent".to_owned(), ParameterValue::Number(1.0))]);
     let still = Parameters::new();
     let scenes = [
         ("orbit", "orbit", still.clone()),
         ("noise", "noise", still.clone()),
+        ("noise-1-f", "noise", spectrum),
+        ("chart", "campbell-robson", still.clone()),
+        ("zone-plate", "zone-plate", still.clone()),
         ("gravel", "photo", image("gravel")),
         ("chelsea", "photo", image("chelsea")),
         ("coffee", "photo", image("coffee")),

@@ -263,9 +263,11 @@ mod tests {
     fn every_shader_is_valid() {
         let shaders = [
             ("display_pass", crate::display_pass::WGSL),
+            ("campbell_robson", crate::scenes::campbell_robson::WGSL),
             ("noise", crate::scenes::noise::WGSL),
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
+            ("zone_plate", crate::scenes::zone_plate::WGSL),
             ("falloff", crate::renderers::falloff::WGSL),
             ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 
+mod charts;
 mod common;
 mod contract;
 mod falloff;
