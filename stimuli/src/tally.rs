@@ -52,7 +52,8 @@ impl Counts {
     /// What was counted after `before`, which is of the same tally.
     #[must_use]
     pub fn since(&self, before: &Self) -> Self {
-        let less = |now: u32, then: Option<u32>| now.saturating_sub(then.unwrap_or(0));
+        // Counters of the GPU begin again at zero after 2^32, and so does their difference.
+        let less = |now: u32, then: Option<u32>| now.wrapping_sub(then.unwrap_or(0));
         let draws = self.draws.iter().enumerate().map(|(i, now)| {
             let then = before.draws.get(i);
             DrawCount {

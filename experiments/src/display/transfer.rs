@@ -72,7 +72,7 @@ pub struct TransferError {
 }
 
 impl TransferError {
-    fn new(key: &'static str, index: Option<usize>, expected: impl Into<String>, found: impl ToString) -> Self {
+    fn new(key: &'static str, index: Option<usize>, expected: impl Into<String>, found: &impl ToString) -> Self {
         Self { key, index, expected: expected.into(), found: found.to_string() }
     }
 }
@@ -85,7 +85,7 @@ impl Transfer {
     pub fn gamma(gamma: [f64; 3]) -> Result<Self, Vec<TransferError>> {
         let errors: Vec<_> = (0..3)
             .filter(|&channel| !(1.0..=4.0).contains(&gamma[channel]))
-            .map(|channel| TransferError::new("gamma", Some(channel), "an exponent from 1 to 4", gamma[channel]))
+            .map(|channel| TransferError::new("gamma", Some(channel), "an exponent from 1 to 4", &gamma[channel]))
             .collect();
         if errors.is_empty() { Ok(Self::Gamma(gamma)) } else { Err(errors) }
     }
@@ -103,7 +103,7 @@ impl Transfer {
                 errors.extend(luminance_errors(channel, values));
             } else {
                 let expected = format!("as many luminances as there are levels, {}", levels.len());
-                errors.push(TransferError::new(channel, None, expected, values.len()));
+                errors.push(TransferError::new(channel, None, expected, &values.len()));
             }
         }
         if !errors.is_empty() {
@@ -118,7 +118,7 @@ impl Transfer {
             (Some(red), Some(green), Some(blue)) => {
                 Ok(Self::Measured(MeasuredTransfer { levels, luminances, curves: [red, green, blue] }))
             }
-            _ => Err(vec![TransferError::new("levels", None, "at least two levels", levels.len())]),
+            _ => Err(vec![TransferError::new("levels", None, "at least two levels", &levels.len())]),
         }
     }
 
@@ -200,9 +200,9 @@ fn inverted(curve: &Pchip, light: f64) -> f64 {
 
 fn level_errors(levels: &[f64]) -> Vec<TransferError> {
     if levels.len() < 2 {
-        return vec![TransferError::new("levels", None, "at least two levels, from 0 to 255", levels.len())];
+        return vec![TransferError::new("levels", None, "at least two levels, from 0 to 255", &levels.len())];
     }
-    let at = |index: usize| TransferError::new("levels", Some(index), "levels that rise from 0 to 255", levels[index]);
+    let at = |index: usize| TransferError::new("levels", Some(index), "levels that rise from 0 to 255", &levels[index]);
     let last = levels.len() - 1;
     (0..=last)
         .filter(|&index| match index {
@@ -223,7 +223,7 @@ fn luminance_errors(channel: &'static str, values: &[f64]) -> Vec<TransferError>
                 0 => "a luminance of at least 0".to_owned(),
                 _ => format!("a luminance above that of the level before, {}", values[index - 1]),
             };
-            TransferError::new(channel, Some(index), expected, values[index])
+            TransferError::new(channel, Some(index), expected, &values[index])
         })
         .collect()
 }
