@@ -38,9 +38,9 @@ pub struct Disc {
     pub colour: [u8; 3],
 }
 
-/// Entries of the table that a measured transfer is looked up in. At even steps of the fourth root of light, so that powers
-/// of light up to the display's gamma of 4 are smooth in it: linear between entries, such a signal is off by at most
-/// 12/8 · 4095⁻² = 9e-8.
+/// Entries of the table that a transfer is looked up in. At even steps of the fourth root of the light above black, so that
+/// powers of light up to the display's gamma of 4, and curves that leave black flat, are smooth in it: linear between
+/// entries, the signal of a gamma is off by at most 12/8 · 4095⁻² = 9e-8.
 const TABLE_ENTRIES: u32 = 4096;
 
 /// The display pass for targets of one format on displays of one transfer.
@@ -50,6 +50,8 @@ pub struct DisplayPass {
     filmic: Pipelines,
     format: wgpu::TextureFormat,
     signals: wgpu::TextureView,
+    /// Light of each channel at signal 0.
+    black: [f64; 3],
     nothing: wgpu::TextureView,
 }
 
@@ -75,6 +77,7 @@ struct Uniform {
     knee: f32,
     white: f32,
     shoulder_end: f32,
+    black: [f32; 4],
     discs: [DiscUniform; MOST_DISCS],
 }
 
@@ -117,6 +120,7 @@ impl DisplayPass {
             filmic: pipelines(true),
             format,
             signals: pass::view(&signal_table(gpu, transfer)),
+            black: black(transfer),
             nothing: pass::view(&pass::linear_texture(gpu, "nothing", [1, 1])),
         }
     }
@@ -171,6 +175,7 @@ impl DisplayPass {
             knee: KNEE as f32,
             white: WHITE as f32,
             shoulder_end: ((WHITE - KNEE) / (1.0 - KNEE)) as f32,
+            black: [self.black[0] as f32, self.black[1] as f32, self.black[2] as f32, 0.0],
             discs: disc_slots,
         };
         let picture_view = picture.map_or_else(|| self.nothing.clone(), pass::view);
@@ -196,15 +201,23 @@ impl DisplayPass {
     }
 }
 
-/// The signals of each channel at even steps of the fourth root of light, as [`TABLE_ENTRIES`] says; a single entry that
-/// nobody reads for sRGB, which is computed.
+fn black(transfer: &Transfer) -> [f64; 3] {
+    [0, 1, 2].map(|channel| transfer.light_from_signal(channel, 0.0))
+}
+
+/// The signals of each channel from black to peak, as [`TABLE_ENTRIES`] says; a single entry that nobody reads for sRGB,
+/// which is computed.
 fn signal_table(gpu: &Gpu, transfer: &Transfer) -> wgpu::Texture {
     let entries = if transfer.is_srgb() { 1 } else { TABLE_ENTRIES };
     let last = f64::from(entries.max(2) - 1);
+    let black = black(transfer);
     let signals: Vec<[f32; 4]> = (0..entries)
         .map(|entry| {
-            let light = (f64::from(entry) / last).powi(4);
-            let [red, green, blue] = [0, 1, 2].map(|channel| transfer.signal_from_light(channel, light) as f32);
+            let above_black = (f64::from(entry) / last).powi(4);
+            let [red, green, blue] = [0, 1, 2].map(|channel| {
+                let light = black[channel] + (1.0 - black[channel]) * above_black;
+                transfer.signal_from_light(channel, light) as f32
+            });
             [red, green, blue, 1.0]
         })
         .collect();

@@ -16,6 +16,8 @@ struct Pass {
     knee: f32,
     white: f32,
     shoulder_end: f32,
+    // Light of each channel at signal 0, where the table begins.
+    black: vec4f,
     discs: array<Disc, 16>,
 }
 
@@ -35,7 +37,7 @@ override TABLE: bool = false;
 
 @group(0) @binding(0) var<uniform> u: Pass;
 @group(0) @binding(1) var picture: texture_2d<f32>;
-// The signal of each channel at light 0–1, at even steps of the light's fourth root.
+// The signal of each channel from its black to its peak, at even steps of the fourth root of the light above black.
 @group(0) @binding(2) var signals: texture_2d<f32>;
 @group(0) @binding(3) var overlay: texture_2d<f32>;
 
@@ -68,7 +70,8 @@ fn filmic(light: vec3f) -> vec3f {
 // What to send to a display with a table: linear between its entries.
 fn signal_from_light(light: vec3f) -> vec3f {
     let last = i32(textureDimensions(signals).x) - 1;
-    let place = sqrt(sqrt(clamp(light, vec3f(0.0), vec3f(1.0)))) * f32(last);
+    let above_black = clamp((light - u.black.rgb) / (1.0 - u.black.rgb), vec3f(0.0), vec3f(1.0));
+    let place = sqrt(sqrt(above_black)) * f32(last);
     let below = min(vec3i(place), vec3i(last - 1));
     let share = place - vec3f(below);
     let low = vec3f(entry(below.x).r, entry(below.y).g, entry(below.z).b);
