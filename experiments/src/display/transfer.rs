@@ -23,7 +23,7 @@ pub enum Transfer {
     /// Light is the signal to the power of each channel's gamma, 1–4.
     Gamma([f64; 3]),
     /// As measured.
-    Measured(MeasuredTransfer),
+    Measured(Box<MeasuredTransfer>),
 }
 
 /// A transfer as it was measured: a monotone cubic (PCHIP) through each channel's luminances.
@@ -116,7 +116,7 @@ impl Transfer {
         };
         match (curve(&luminances[0]), curve(&luminances[1]), curve(&luminances[2])) {
             (Some(red), Some(green), Some(blue)) => {
-                Ok(Self::Measured(MeasuredTransfer { levels, luminances, curves: [red, green, blue] }))
+                Ok(Self::Measured(Box::new(MeasuredTransfer { levels, luminances, curves: [red, green, blue] })))
             }
             _ => Err(vec![TransferError::new("levels", None, "at least two levels", &levels.len())]),
         }
@@ -140,9 +140,9 @@ impl Transfer {
         match self {
             Self::Srgb => None,
             Self::Gamma(gamma) => Some(TransferNumbers::Gamma { gamma: *gamma }),
-            Self::Measured(MeasuredTransfer { levels, luminances, .. }) => {
-                let [red, green, blue] = luminances.clone();
-                Some(TransferNumbers::Measured { levels: levels.clone(), red, green, blue })
+            Self::Measured(measured) => {
+                let [red, green, blue] = measured.luminances.clone();
+                Some(TransferNumbers::Measured { levels: measured.levels.clone(), red, green, blue })
             }
         }
     }

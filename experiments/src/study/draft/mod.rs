@@ -80,7 +80,7 @@ pub enum DisplayChoice {
     /// The name of a display that ships with the program.
     Named(String),
     /// A display's geometry.
-    Described(DisplayDraft),
+    Described(Box<DisplayDraft>),
 }
 
 /// A flat display and the distance it is seen from.
