@@ -64,8 +64,8 @@ fn the_light_of_a_display_that_is_driven_is_the_light_that_was_wanted() {
         let values: Vec<f32> = (0..=100).map(|i| i as f32 * 0.01).collect();
         let (bytes, held) = shown(&transfer, SceneLight::default(), &values, FORMATS[0]);
         for (found, &wanted) in bytes.iter().zip(&held) {
-            for channel in 0..3 {
-                let signal = f64::from(found[channel]) / 255.0;
+            for (channel, &found) in found.iter().enumerate() {
+                let signal = f64::from(found) / 255.0;
                 let [below, above] =
                     [-0.51, 0.51].map(|half| transfer.light_from_signal(channel, signal + half / 255.0));
                 let black = transfer.light_from_signal(channel, 0.0);
