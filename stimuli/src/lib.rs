@@ -15,6 +15,7 @@ pub mod readback;
 pub mod registry;
 pub mod surfaces;
 pub mod tally;
+pub mod tone;
 
 #[allow(dead_code, reason = "being built")]
 mod mesh_scene;

@@ -20,6 +20,8 @@ const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
     (scenes::patch::info, scenes::patch::make),
     (scenes::orbit::info, scenes::orbit::make),
     (scenes::noise::info, scenes::noise::make),
+    (scenes::campbell_robson::info, scenes::campbell_robson::make),
+    (scenes::zone_plate::info, scenes::zone_plate::make),
 ];
 
 const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[
