@@ -11,6 +11,7 @@ pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod motion;
 pub(crate) mod shapes;
+pub(crate) mod sky;
 
 pub(crate) use camera::{CameraPath, Pose};
 pub(crate) use environment::{Environment, Panorama};
@@ -18,6 +19,7 @@ pub(crate) use light::Light;
 pub(crate) use material::{Map, Material, Pattern, PatternKind};
 pub(crate) use mesh::{Detail, Mesh, MeshLevel, Vertex};
 pub(crate) use motion::Motion;
+pub(crate) use sky::Sky;
 
 use crate::contract::SceneLight;
 
