@@ -5,6 +5,7 @@
 //! the world's exposure.
 
 pub(crate) mod camera;
+pub(crate) mod channels;
 pub(crate) mod environment;
 pub(crate) mod light;
 pub(crate) mod material;
