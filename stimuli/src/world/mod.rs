@@ -7,10 +7,12 @@
 pub(crate) mod camera;
 pub(crate) mod channels;
 pub(crate) mod environment;
+pub(crate) mod gltf;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod motion;
+pub(crate) mod panorama_file;
 pub(crate) mod shapes;
 pub(crate) mod sky;
 
