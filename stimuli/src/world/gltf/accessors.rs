@@ -9,9 +9,9 @@ use std::path::Path;
 
 /// How many items (vertices' attributes, indices, keys) are read from one file at most. Elements may share data, so that
 /// a small file can ask for any number of them.
-const MOST_ITEMS: u64 = 60_000_000;
+pub(crate) const MOST_ITEMS: u64 = 20_000_000;
 /// How many items an accessor without data of its own, all zeros, may have.
-const MOST_ZEROS: u64 = 10_000_000;
+const MOST_ZEROS: u64 = 1_000_000;
 
 /// Bytes of all buffers of a file together.
 const MOST_BUFFER_BYTES: u64 = 1 << 31;
@@ -161,12 +161,18 @@ struct Checked<'a> {
 #[derive(Debug)]
 pub(crate) struct Accessors<'a> {
     checked: Vec<Option<Checked<'a>>>,
+    most_items: u64,
     items_left: Cell<u64>,
 }
 
 impl<'a> Accessors<'a> {
-    /// Checks every buffer view and accessor.
-    pub(crate) fn check(document: &'a Document, buffers: &'a Buffers, findings: &mut Findings) -> Self {
+    /// Checks every buffer view and accessor; at most `most_items` items can be read of them.
+    pub(crate) fn check(
+        document: &'a Document,
+        buffers: &'a Buffers,
+        most_items: u64,
+        findings: &mut Findings,
+    ) -> Self {
         for (index, view) in document.buffer_views.iter().enumerate() {
             let place = format!("bufferViews[{index}]");
             if let Err(message) = buffers.view(document, index) {
@@ -180,7 +186,10 @@ impl<'a> Accessors<'a> {
                 );
             }
         }
-        let checked = document.accessors.iter().enumerate().map(|(index, accessor)| {
+        // Accessors within wrong views would only repeat that.
+        let sound = !findings.any();
+        let accessors = if sound { document.accessors.as_slice() } else { &[] };
+        let checked = accessors.iter().enumerate().map(|(index, accessor)| {
             let place = format!("accessors[{index}]");
             match checked(accessor, document, buffers) {
                 Ok(checked) => Some(checked),
@@ -190,7 +199,7 @@ impl<'a> Accessors<'a> {
                 }
             }
         });
-        Self { checked: checked.collect(), items_left: Cell::new(MOST_ITEMS) }
+        Self { checked: checked.collect(), most_items, items_left: Cell::new(most_items) }
     }
 
     fn get(&self, index: usize, place: &str, findings: &mut Findings) -> Option<&Checked<'a>> {
@@ -206,8 +215,10 @@ impl<'a> Accessors<'a> {
                 Some(found)
             }
             None => {
-                findings
-                    .wrong(place, format!("the file asks for more than {MOST_ITEMS} items in all; that is too much"));
+                findings.wrong(
+                    place,
+                    format!("the file asks for more than {} items in all; that is too much", self.most_items),
+                );
                 None
             }
         }

@@ -54,8 +54,8 @@ impl Document {
                 return Err(findings.refuse("asset.version", format!("this is glTF {version}; glTF 2.0 is read")));
             }
             None => {
-                findings.wrong("asset", "there is no version; glTF 2.0 is read");
                 findings.check()?;
+                return Err(findings.refuse("asset", "there is no version; glTF 2.0 is read"));
             }
         }
         let required: Vec<String> = single(&mut root, "extensionsRequired", findings).unwrap_or_default();

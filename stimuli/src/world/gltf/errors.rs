@@ -106,6 +106,17 @@ impl Findings {
         }
     }
 
+    /// Whether anything has been found wrong so far.
+    pub(crate) fn any(&self) -> bool {
+        !self.mistakes.is_empty()
+    }
+
+    /// What has been left out so far, as one sentence.
+    pub(crate) fn left_out(&self) -> String {
+        let all: Vec<String> = self.notices.iter().map(ToString::to_string).collect();
+        all.join("; ")
+    }
+
     /// An error, if anything has been found wrong so far.
     pub(crate) fn check(&mut self) -> Result<(), WorldError> {
         if self.mistakes.is_empty() {

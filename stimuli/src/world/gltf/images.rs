@@ -11,7 +11,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 /// The longest side of a map that is kept, pixels.
-const MOST_SIDE: u32 = 4096;
+const MOST_SIDE: u32 = 2048;
 /// The longest side that is decoded at all.
 const MOST_DECODED_SIDE: u32 = 16_384;
 /// Bytes that a decoder may take.

@@ -47,6 +47,8 @@ pub struct GltfFile {
     rests: Vec<Rest>,
     /// Meshes and materials that nodes show: by node, indices into the parts.
     shown: Vec<Vec<(usize, usize)>>,
+    /// Materials that are to look the same in any light.
+    unlit: Vec<usize>,
     /// Positions in `nodes` of those that carry a camera.
     cameras: Vec<usize>,
     clips: Vec<Clip>,
@@ -62,11 +64,12 @@ impl GltfFile {
     /// Everything that is wrong with it.
     pub fn read(file: &Path) -> Result<Self, WorldError> {
         let bytes = read_file(file).map_err(|message| Findings::new(file).refuse("", message))?;
-        Self::of_bytes(bytes, file)
+        Self::of_bytes(bytes, file, accessors::MOST_ITEMS)
     }
 
-    /// The same from a file's bytes; `file` is what errors name, and its folder is where neighbours are looked for.
-    fn of_bytes(bytes: Vec<u8>, file: &Path) -> Result<Self, WorldError> {
+    /// The same from a file's bytes; `file` is what errors name, and its folder is where neighbours are looked for. At most
+    /// `most_items` vertices, indices and keys are read.
+    fn of_bytes(bytes: Vec<u8>, file: &Path, most_items: u64) -> Result<Self, WorldError> {
         let mut found = Findings::new(file);
         let mut version = Version::default();
         version.add(&bytes);
@@ -77,7 +80,7 @@ impl GltfFile {
         // What follows would only repeat what is wrong so far, at other places.
         found.check()?;
         buffers.each(|bytes| version.add(bytes));
-        let accessors = Accessors::check(&document, &buffers, &mut found);
+        let accessors = Accessors::check(&document, &buffers, most_items, &mut found);
         found.check()?;
 
         let rests = nodes::rests(&document, &mut found);
@@ -91,6 +94,8 @@ impl GltfFile {
         let shown = shown_by_nodes(&document, &nodes, &shown, &mut found);
         let cameras = cameras(&document, &nodes, &mut found);
         found.check()?;
+        let unlit =
+            (0..document.materials.len()).filter(|&i| document.materials[i].extensions.unlit.is_some()).collect();
 
         for map in parts.colour_maps.iter().chain(&parts.data_maps) {
             version.add(&map.rgba);
@@ -101,6 +106,7 @@ impl GltfFile {
             nodes,
             rests,
             shown,
+            unlit,
             cameras,
             clips,
             notices: Vec::new(),
@@ -108,7 +114,11 @@ impl GltfFile {
             version: version.folded(),
         };
         if read.nodes.iter().all(|visited| read.shown[visited.node].is_empty()) {
-            return Err(found.refuse("", "there is nothing to show: no node of the scene has a triangle"));
+            let left_out = found.left_out();
+            let because = if left_out.is_empty() { left_out } else { format!(" ({left_out})") };
+            return Err(
+                found.refuse("", format!("there is nothing to show: no node of the scene has a triangle{because}"))
+            );
         }
         read.parts.lights = read.placed_lights(&document, &mut found);
         read.notices = found.finish()?;
@@ -194,6 +204,10 @@ impl GltfFile {
             }
             let place = format!("extensions.KHR_lights_punctual.lights[{}]", carried.light);
             lights.extend(lights::light(light, &motion.at(0.0), &place, found));
+        }
+        if lights.iter().any(|light| matches!(light, super::Light::Directional { .. })) {
+            found
+                .note("extensions.KHR_lights_punctual", "the first directional light takes the place of the sky's sun");
         }
         if !lights.is_empty() {
             let world = self.assembled(&motions);

@@ -1,14 +1,17 @@
 //! A file as a scene of studies: which of its cameras and animations, under which sky, how bright.
 
 use super::GltfFile;
-use crate::contract::{MakeError, SceneLight, ToneMap};
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
 use crate::parameters::{number, text};
 use crate::world::camera::CameraMotion;
-use crate::world::{CameraPath, Environment, Motion, Sky, World};
-use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
+use crate::world::{CameraPath, Environment, Light, Motion, Sky, World};
+use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo, complete_parameters};
+use experiments::display::Display;
 use glam::{DVec3, Vec3};
 
-/// Mean radiance of the sky: a white surface in the open then comes out a little above half the display's peak.
+/// Mean radiance of the sky, the scale to which the file's own lights are brought.
 const SKY_MEAN: f32 = 0.62;
 /// Name of the panorama that a file brings with it.
 const OWN: &str = "own";
@@ -16,8 +19,8 @@ const OWN: &str = "own";
 /// Around what it circles: places of the camera without a camera in the file.
 const ORBIT_PLACES: u32 = 24;
 const ORBIT_S: f64 = 60.0;
-/// Distance from the middle, in radii of the sphere around everything.
-const ORBIT_RADII: f64 = 2.6;
+/// How much of the view's half height or width, whichever is less, the sphere around everything may take.
+const ORBIT_SHARE: f64 = 1.15;
 /// How far above the middle, degrees.
 const ORBIT_HEIGHT_DEG: f64 = 18.0;
 /// How fast a camera pans at the speed 1, degrees per second in the middle of the sweep.
@@ -102,7 +105,7 @@ impl GltfFile {
                 "EV",
                 -8.0..=8.0,
                 0.0,
-                "Brighter by so many factors of two; at 0 white under the sky is a little above half the display's peak.",
+                "Brighter by so many factors of two; at 0 a white surface that faces the sun comes out at the display's peak.",
             ),
         ];
         let name = self.file.file_name().map_or_else(|| id.into(), |name| name.to_string_lossy());
@@ -110,16 +113,26 @@ impl GltfFile {
         SceneInfo { id: id.to_owned(), version: self.version, about, parameters, animated: true }
     }
 
-    /// The world that parameters ask for; they must be complete.
+    /// Makes the scene for `display`; parameters that are not given take their defaults.
+    ///
+    /// # Errors
+    /// When a parameter is refused, the device cannot hold the scene, or the device fails.
+    pub fn make(&self, gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+        let parameters = complete_parameters(&self.info("").parameters, parameters)?;
+        mesh_scene::make(gpu, display, self.world(display, &parameters)?)
+    }
+
+    /// The world that parameters ask for, as seen on `display`; they must be complete.
     ///
     /// # Errors
     /// When a parameter is missing or a shipped panorama is damaged.
-    pub(crate) fn world(&self, parameters: &Parameters) -> Result<World, MakeError> {
-        self.chosen(&Choices::read(parameters)?)
+    pub(crate) fn world(&self, display: &Display, parameters: &Parameters) -> Result<World, MakeError> {
+        let [across, up] = display.half_field_deg();
+        self.chosen(&Choices::read(parameters)?, across.min(up))
     }
 
-    /// The world under some choices.
-    pub(crate) fn chosen(&self, choices: &Choices) -> Result<World, MakeError> {
+    /// The world under some choices, on a display that spans `half_view_deg` from its middle to its nearer edge.
+    pub(crate) fn chosen(&self, choices: &Choices, half_view_deg: f64) -> Result<World, MakeError> {
         let motions = self.motions(choices.animation.and_then(|index| self.clips.get(index)));
         let mut world = self.assembled(&motions);
         world.environment = Environment::of(match (choices.sky, &self.panorama) {
@@ -129,19 +142,36 @@ impl GltfFile {
         let position = choices.camera.and_then(|index| self.cameras.get(index));
         let path = match position.and_then(|&position| motions.get(position)) {
             Some(carrier) => CameraPath { carrier: Some(Motion::clone(carrier)), ..CameraPath::default() },
-            None => orbit(world.bounds(0.0).unwrap_or([Vec3::NEG_ONE, Vec3::ONE])),
+            None => orbit(world.bounds(0.0).unwrap_or([Vec3::NEG_ONE, Vec3::ONE]), half_view_deg),
         };
         world.camera = CameraPath { motion: choices.motion, ..path };
-        world.light = SceneLight { exposure: choices.exposure_ev.exp2(), tone_map: ToneMap::Filmic };
+        // White in full light comes out at 1; what shines by itself whatever the light keeps its own values.
+        let full = f64::from(full_light(&world).max(1e-3));
+        for &material in &self.unlit {
+            world.materials[material].emission *= full as f32;
+        }
+        world.light = SceneLight { exposure: choices.exposure_ev.exp2() / full, tone_map: ToneMap::Filmic };
         Ok(world)
     }
 }
 
-/// A slow circle around everything.
-fn orbit([low, high]: [Vec3; 2]) -> CameraPath {
+/// What a white surface sends out that faces the sun, or up where there is none: the mean of its channels.
+fn full_light(world: &World) -> f32 {
+    let lamp = world.lights.iter().find_map(|light| match *light {
+        Light::Directional { towards, colour } => Some((towards, colour)),
+        _ => None,
+    });
+    let sun = lamp.or(world.environment.sun.map(|sun| (sun.towards, sun.colour)));
+    let (towards, colour) = sun.unwrap_or((Vec3::Y, Vec3::ZERO));
+    (colour + world.environment.on_white(towards)).element_sum() / 3.0
+}
+
+/// A slow circle around everything, as near as shows it whole.
+fn orbit([low, high]: [Vec3; 2], half_view_deg: f64) -> CameraPath {
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let middle = 0.5 * (low + high);
-    let distance_m = ORBIT_RADII * (0.5 * low.distance(high)).max(1e-3);
+    let share = (ORBIT_SHARE * half_view_deg).clamp(1.0, 60.0).to_radians().sin();
+    let distance_m = (0.5 * low.distance(high)).max(1e-3) / share;
     let (sin, cos) = ORBIT_HEIGHT_DEG.to_radians().sin_cos();
     let place = |i: u32| {
         // From the front right, as pictures of things are taken.
