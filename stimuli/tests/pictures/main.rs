@@ -8,6 +8,7 @@ mod common;
 mod contract;
 mod falloff;
 mod layers;
+mod models;
 mod oracle;
 mod ring;
 mod scenes;
