@@ -23,7 +23,7 @@ pub(crate) fn light(light: &document::Light, at: &Affine3A, place: &str, finding
         findings.wrong(place, format!("its light of {colour} is out of range; expected 0 to {MOST_INTENSITY}"));
         return None;
     }
-    if let Some(range) = light.range.filter(|range| !(*range > 0.0)) {
+    if let Some(range) = light.range.filter(|range| !(f32::MIN_POSITIVE..).contains(range)) {
         findings.wrong(format!("{place}.range"), format!("it is {range}; expected more than 0 metres"));
         return None;
     }

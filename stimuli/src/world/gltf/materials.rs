@@ -154,7 +154,7 @@ fn check_ranges(material: &document::Material, place: &str, findings: &mut Findi
         findings.wrong(format!("{place}.alphaCutoff"), format!("it is {cutoff}; expected at least 0"));
     }
     if let Some(scale) =
-        material.normal_texture.as_ref().and_then(|info| info.scale).filter(|scale| !(scale.abs() <= 1e3))
+        material.normal_texture.as_ref().and_then(|info| info.scale).filter(|scale| !(0.0..=1e3).contains(&scale.abs()))
     {
         findings.wrong(format!("{place}.normalTexture.scale"), format!("it is {scale}; expected −1000 to 1000"));
     }

@@ -22,7 +22,6 @@ mod tests;
 pub(crate) use container::read_file;
 pub(crate) use errors::Findings;
 pub use errors::{Mistake, Notice, WorldError};
-pub(crate) use scene::Choices;
 
 use super::{Mesh, Motion, Panorama, World};
 use accessors::{Accessors, Buffers};
@@ -328,7 +327,7 @@ fn cameras(document: &Document, nodes: &[Visited], found: &mut Findings) -> Vec<
         match camera.kind.as_str() {
             "perspective" => {}
             "orthographic" => {
-                found.note(format!("cameras[{index}]"), "it has no perspective in the file; it has the display's here")
+                found.note(format!("cameras[{index}]"), "it has no perspective in the file; it has the display's here");
             }
             kind => {
                 let kind = accessors::shown(kind);

@@ -54,7 +54,7 @@ fn rest_of(node: &document::Node) -> Result<Rest, (&'static str, String)> {
         .into_iter()
         .zip(numbers.into_iter().chain(more))
     {
-        if let Some(bad) = values.into_iter().flatten().find(|x| !(x.abs() <= most)) {
+        if let Some(bad) = values.into_iter().flatten().find(|x| !(0.0..=most).contains(&x.abs())) {
             return Err((name, format!("it has {bad}; expected −{most} to {most}")));
         }
     }
