@@ -13,6 +13,7 @@ pub mod geometry;
 pub mod gpu;
 pub mod readback;
 pub mod registry;
+pub mod surfaces;
 pub mod tally;
 
 #[allow(dead_code, reason = "being built")]

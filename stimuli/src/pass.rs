@@ -261,17 +261,21 @@ mod tests {
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
             ("falloff", crate::renderers::falloff::WGSL),
-            ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
             ("tally", crate::tally::WGSL),
         ];
-        for (name, wgsl) in shaders {
-            let source = format!("{GEOMETRY_WGSL}\n{wgsl}");
+        let capabilities = naga::valid::Capabilities::default() | naga::valid::Capabilities::EARLY_DEPTH_TEST;
+        let complete = [
+            ("shading of surfaces", crate::surfaces::SHADING_WGSL.to_owned()),
+            ("rays", crate::surfaces::RAYS_WGSL.to_owned()),
+        ];
+        let shaders = shaders.into_iter().chain(crate::renderers::layers::SHADERS);
+        let with_geometry = shaders.map(|(name, wgsl)| (name, format!("{GEOMETRY_WGSL}\n{wgsl}")));
+        for (name, source) in with_geometry.chain(complete) {
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
-            let mut validator =
-                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+            let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
             if let Err(error) = validator.validate(&module) {
                 panic!("{name}: {}", error.emit_to_string(&source));
             }
