@@ -15,6 +15,8 @@ pub mod readback;
 pub mod registry;
 pub mod tally;
 
+#[allow(dead_code, reason = "being built")]
+mod mesh_scene;
 mod parameters;
 mod pass;
 mod renderers;

@@ -254,6 +254,9 @@ mod tests {
     fn every_shader_is_valid() {
         let shaders = [
             ("display_pass", crate::display_pass::WGSL),
+            ("mesh scene", crate::mesh_scene::raster::WGSL),
+            ("mesh scene, counted", crate::mesh_scene::raster::COUNTED_WGSL),
+            ("mesh scene's shadow", crate::mesh_scene::shadow::WGSL),
             ("noise", crate::scenes::noise::WGSL),
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),

@@ -94,7 +94,6 @@ impl Tally {
     }
 
     /// Counts the pixels of a view; the runs are counted by the scene's own shader.
-    #[expect(dead_code, reason = "for scenes of meshes, which come next")]
     pub(crate) fn count_pixels(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, view: &View) {
         self.count(gpu, encoder, view, false);
     }

@@ -55,6 +55,8 @@ pub(crate) struct World {
     pub(crate) environment: Environment,
     pub(crate) camera: CameraPath,
     pub(crate) light: SceneLight,
+    /// Points of a procedural pattern that are averaged in each pixel; 0 counts as 1.
+    pub(crate) pattern_samples: u32,
 }
 
 impl World {
