@@ -106,24 +106,20 @@ impl ArchWall {
         level
     }
 
-    /// A moulding around the arch on both faces, `width_m` wide, that stands out by `depth_m`, in wedges with every other
-    /// one a little higher.
+    /// A moulding around the arch on both faces, `width_m` wide, that stands out by `depth_m`.
     pub(super) fn archivolt(&self, width_m: f32, depth_m: f32) -> MeshLevel {
         let mut level = MeshLevel::default();
         let z0 = 0.5 * self.thickness_m;
         // A little inside the opening, so that it covers the wall's edge.
         let (inner, outer) = (self.radius_m - 0.02, self.radius_m + width_m);
         for step in 0..Self::STEPS {
-            let rise = if step % 2 == 0 { depth_m } else { 0.8 * depth_m };
-            let z = z0 + rise;
+            let z = z0 + depth_m;
             let [a, b, c, d] =
                 [self.at(step, inner), self.at(step, outer), self.at(step + 1, outer), self.at(step + 1, inner)];
             let map = [Vec2::ZERO, Vec2::new(width_m, a.distance(d))];
             level.quad([d.extend(z), c.extend(z), b.extend(z), a.extend(z)].map(mirrored), map);
             level.quad([a.extend(z0), a.extend(z), d.extend(z), d.extend(z0)].map(mirrored), map);
             level.quad([c.extend(z0), c.extend(z), b.extend(z), b.extend(z0)].map(mirrored), map);
-            level.quad([b.extend(z0), b.extend(z), a.extend(z), a.extend(z0)].map(mirrored), map);
-            level.quad([d.extend(z0), d.extend(z), c.extend(z), c.extend(z0)].map(mirrored), map);
         }
         let behind = level.clone().transformed(Affine3A::from_rotation_y(PI));
         level.append(&behind);

@@ -8,10 +8,13 @@ mod masonry;
 use super::parts::forms::lattice;
 use super::parts::sky::Sky;
 use super::parts::{Batch, camera, openness};
-use crate::contract::{MakeError, SceneLight, ToneMap};
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
 use crate::world::shapes::block;
 use crate::world::{CameraPath, Environment, Light, Material, MeshLevel, Pattern, PatternKind, World};
 use experiments::catalogue::{Parameters, SceneInfo};
+use experiments::display::Display;
 use glam::{Affine3A, DVec3, Quat, Vec2, Vec3};
 use masonry::ArchWall;
 use std::f32::consts::FRAC_PI_2;
@@ -43,12 +46,16 @@ pub(crate) fn info() -> SceneInfo {
     }
 }
 
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+    mesh_scene::make(gpu, display, world(parameters)?)
+}
+
 /// The world for completed parameters.
 pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     let mut world = World {
         environment: Environment::of(sky().paint(512)),
         camera: camera::set(path(), parameters)?,
-        light: SceneLight { exposure: 0.6, tone_map: ToneMap::Filmic },
+        light: SceneLight { exposure: 0.66, tone_map: ToneMap::Filmic },
         ..World::default()
     };
     let stuff = Stuff::of(&mut world);
@@ -59,7 +66,7 @@ pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     hang_cloth(&mut batch, &stuff);
     furnish(&mut batch, &stuff);
     batch.finish(&mut world);
-    openness::bake(&mut world, 0.25, 7.0, 0.06);
+    openness::bake(&mut world, 0.25, 6.0, 0.22);
     Ok(world)
 }
 
@@ -67,10 +74,10 @@ fn sky() -> Sky {
     Sky {
         sun_towards: Vec3::new(0.50, 1.0, 0.42),
         sun_colour: Vec3::new(3.6, 3.15, 2.5),
-        zenith: Vec3::new(0.16, 0.34, 0.80),
-        horizon: Vec3::new(0.75, 0.85, 1.0),
+        zenith: Vec3::new(0.30, 0.42, 0.68),
+        horizon: Vec3::new(0.88, 0.82, 0.72),
         // Sunlit stone, which lights the vaults from below.
-        ground: Vec3::new(0.52, 0.42, 0.30),
+        ground: Vec3::new(0.74, 0.55, 0.36),
         clouds: 0.35,
         mountains: 0.0,
         seed: 3,
@@ -174,7 +181,8 @@ fn upright(a: Vec2, b: Vec2, low: f32, high: f32) -> MeshLevel {
 
 fn build_floors(batch: &mut Batch, stuff: &Stuff) {
     let [x, z] = COURT;
-    let (outer_x, outer_z) = (x + AISLE, z + AISLE);
+    // A little into the walls, so that nothing shows between.
+    let (outer_x, outer_z) = (x + AISLE + 0.15, z + AISLE + 0.15);
     batch.add(stuff.court_floor, &floor(Vec2::new(-x, -z), Vec2::new(x, z), 0.0));
     // Four strips around the court on each storey; the gallery's have an underside and an edge, too.
     for (low, high) in [
@@ -301,9 +309,9 @@ fn build_aisles(world: &mut World, batch: &mut Batch, stuff: &Stuff) {
     ];
     for i in 0..4 {
         let (a, b) = (corners[i], corners[(i + 1) % 4]);
-        batch.add(stuff.wall, &upright(a, b, 0.0, ROOF));
+        batch.add(stuff.wall, &upright(a, b, -0.1, ROOF + 0.1));
         // And from outside, for the shadow.
-        batch.add(stuff.wall, &upright(b, a, 0.0, ROOF));
+        batch.add(stuff.wall, &upright(b, a, -0.1, ROOF + 0.1));
     }
 }
 
@@ -356,25 +364,25 @@ fn furnish(batch: &mut Batch, stuff: &Stuff) {
 /// Along the nave past the fountain, up through the court into the gallery, back along it, and down again.
 fn path() -> CameraPath {
     let places = [
-        ([0.6, 1.75, 16.4], [-0.6, 3.4, 0.0]),
-        ([1.4, 1.75, 11.5], [-1.4, 3.2, -4.0]),
-        ([2.6, 1.75, 6.0], [-1.0, 2.4, -6.0]),
-        ([3.0, 1.75, 0.0], [0.0, 2.8, -12.0]),
-        ([1.6, 1.8, -5.5], [-2.5, 3.6, -17.0]),
-        ([-0.6, 2.2, -10.0], [-4.5, 4.0, -17.0]),
-        ([-1.6, 4.2, -13.0], [-3.0, 5.5, -4.0]),
-        ([-0.6, 6.8, -15.6], [0.5, 5.5, 0.0]),
-        ([2.6, 8.7, -16.2], [4.0, 6.2, 4.0]),
-        ([5.0, 8.9, -16.0], [5.5, 7.2, 6.0]),
-        ([6.7, 8.7, -14.4], [5.6, 7.8, 6.0]),
-        ([7.2, 8.55, -10.0], [3.0, 7.0, 6.0]),
-        ([7.2, 8.55, -4.0], [-1.0, 6.0, 10.0]),
-        ([7.2, 8.55, 2.0], [-2.0, 5.4, 10.0]),
-        ([7.2, 8.55, 8.0], [-1.0, 6.0, 15.0]),
-        ([6.9, 8.7, 13.6], [0.0, 6.4, 15.0]),
-        ([5.0, 8.9, 16.0], [-4.0, 5.6, 8.0]),
-        ([2.4, 7.4, 16.4], [-3.0, 4.6, 2.0]),
-        ([0.8, 4.0, 16.9], [-1.6, 3.6, 0.0]),
+        ([0.9, 1.75, 17.0], [-0.9, 2.9, -16.0]),
+        ([1.4, 1.75, 11.5], [-1.6, 2.9, -16.0]),
+        ([2.6, 1.75, 6.0], [-1.8, 2.7, -16.0]),
+        ([3.1, 1.75, 0.0], [-3.0, 3.0, -18.0]),
+        ([3.2, 1.9, -6.0], [-9.0, 4.4, -15.0]),
+        ([3.0, 3.6, -10.0], [-10.0, 5.2, -6.0]),
+        ([2.4, 5.8, -13.0], [-8.0, 5.2, 5.0]),
+        ([2.0, 7.8, -15.4], [-3.0, 5.0, 10.0]),
+        ([3.2, 8.7, -16.2], [0.5, 5.2, 8.0]),
+        ([5.0, 8.9, -16.0], [2.0, 5.6, 6.0]),
+        ([6.2, 8.8, -14.2], [3.2, 6.4, 6.0]),
+        ([6.1, 8.75, -10.0], [1.0, 5.8, 8.0]),
+        ([6.1, 8.75, -4.0], [-2.0, 5.2, 12.0]),
+        ([6.1, 8.75, 2.0], [-5.0, 5.2, 16.0]),
+        ([6.1, 8.75, 8.0], [-6.0, 5.6, 17.0]),
+        ([6.1, 8.8, 13.6], [-8.0, 5.8, 12.0]),
+        ([5.0, 8.9, 16.0], [-7.0, 5.4, 2.0]),
+        ([2.4, 7.4, 16.4], [-4.0, 4.4, -10.0]),
+        ([0.8, 4.0, 16.9], [-1.6, 3.2, -14.0]),
     ];
     let places = places.map(|(eye, target)| (DVec3::from(eye), DVec3::from(target)));
     camera::round(&places, 1.2)

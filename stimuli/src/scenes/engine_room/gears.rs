@@ -69,7 +69,7 @@ impl Gear {
         let spokes = if pitch > 0.6 { 6 } else { 4 };
         for i in 0..spokes {
             let turn = Affine3A::from_rotation_z(i as f32 * TAU / spokes as f32);
-            let (low, high) = (0.8 * hub, inside + 0.02);
+            let (low, high) = (0.8 * hub, 0.5 * (inside + root));
             let spoke = block(
                 Vec3::new(low, -0.16 * hub - 0.03, -0.6 * half_m),
                 Vec3::new(high, 0.16 * hub + 0.03, 0.6 * half_m),

@@ -9,10 +9,13 @@ mod stuff;
 use super::parts::forms::{circle, lattice, plate, rod};
 use super::parts::noise::smoothstep;
 use super::parts::{Batch, camera, openness};
-use crate::contract::{MakeError, SceneLight, ToneMap};
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
 use crate::world::shapes::{block, lathe, sphere, upright};
 use crate::world::{CameraPath, Environment, Light, MeshLevel, Motion, Object, Panorama, World};
 use experiments::catalogue::{Parameters, SceneInfo};
+use experiments::display::Display;
 use gears::Gear;
 use glam::{Affine3A, DVec3, Quat, Vec2, Vec3};
 use pipes::{bracket, gauge, run, valve};
@@ -39,12 +42,16 @@ pub(crate) fn info() -> SceneInfo {
     }
 }
 
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+    mesh_scene::make(gpu, display, world(parameters)?)
+}
+
 /// The world for completed parameters.
 pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     let mut world = World {
         environment: Environment::of(surroundings()),
         camera: camera::set(path(), parameters)?,
-        light: SceneLight { exposure: 0.75, tone_map: ToneMap::Filmic },
+        light: SceneLight { exposure: 0.80, tone_map: ToneMap::Filmic },
         ..World::default()
     };
     let stuff = Stuff::of(&mut world);
@@ -67,8 +74,8 @@ pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
 /// What the metal mirrors and the corners are lit by: roof lights and lamps over dim walls and a brown floor.
 fn surroundings() -> Panorama {
     Panorama::painted(256, |d| {
-        let wall = Vec3::new(0.16, 0.17, 0.18).lerp(Vec3::new(0.10, 0.08, 0.06), smoothstep(0.1, -0.6, d.y));
-        let mut light = wall * (1.0 + 0.5 * (9.0 * f32::atan2(d.z, d.x)).sin() * smoothstep(0.5, 0.1, d.y.abs()));
+        let wall = Vec3::new(0.40, 0.41, 0.42).lerp(Vec3::new(0.20, 0.16, 0.12), smoothstep(0.1, -0.6, d.y));
+        let mut light = wall * (1.0 + 0.6 * (9.0 * f32::atan2(d.z, d.x)).sin() * smoothstep(0.5, 0.1, d.y.abs()));
         if d.y > 0.12 {
             // Places on a ceiling at a height of 1: two long roof lights, and rows of lamps between them.
             let at = Vec2::new(d.x, d.z) / d.y;
@@ -129,26 +136,26 @@ fn build_room(world: &mut World, batch: &mut Batch, stuff: &Stuff) {
         }
     }
     // Lamps that hang in a row over the engine.
-    for i in 0..4 {
-        let at = Vec3::new(-7.5 + 5.0 * i as f32, 6.9, 0.0);
-        let shade = block(at + Vec3::new(-1.1, 0.03, -0.22), at + Vec3::new(1.1, 0.16, 0.22));
+    for i in 0..2 {
+        let at = Vec3::new(-4.5 + 9.0 * i as f32, 6.9, 0.0);
+        let shade = block(at + Vec3::new(-2.3, 0.03, -0.22), at + Vec3::new(2.3, 0.16, 0.22));
         batch.add(stuff.green, &shade);
-        let face = panel(at + Vec3::new(-1.05, 0.02, -0.17), Vec3::X * 2.1, Vec3::Z * 0.34, 1.0);
+        let face = panel(at + Vec3::new(-2.25, 0.02, -0.17), Vec3::X * 4.5, Vec3::Z * 0.34, 1.0);
         batch.add(stuff.lamp, &face);
-        for end in [-0.9, 0.9] {
+        for end in [-1.9, 1.9] {
             batch.add(stuff.iron, &rod(at + Vec3::new(end, 0.16, 0.0), Vec3::new(at.x + end, y, 0.0), 0.015, 6));
         }
         world.lights.push(Light::Area {
             at,
-            half_right: Vec3::X * 1.05,
+            half_right: Vec3::X * 2.25,
             half_up: Vec3::Z * 0.17,
             colour: Vec3::new(5.2, 5.6, 6.0),
         });
     }
     // Warm bulkhead lamps on the long walls.
-    for i in 0..5 {
+    for i in 0..3 {
         for side in [-1.0, 1.0] {
-            let at = Vec3::new(-11.0 + 5.5 * i as f32, 3.6, side * (z - 0.12));
+            let at = Vec3::new(-9.0 + 9.0 * i as f32, 3.6, side * (z - 0.12));
             let facing = upright(at, Vec3::NEG_Z * side);
             batch.add_at(stuff.iron, &lathe(&[[0.2, -0.12], [0.2, 0.02], [0.15, 0.03]], 24), facing);
             batch.add_at(stuff.warm_lamp, &sphere(0.14, 10), facing * Affine3A::from_translation(Vec3::Y * 0.03));
@@ -302,7 +309,7 @@ fn build_ends(world: &mut World, batch: &mut Batch, stuff: &Stuff) {
     }
     // Its back plate.
     let back = face.transform_point3(Vec3::new(0.35, 0.9, -0.32));
-    batch.add(stuff.green, &block(back + Vec3::new(-0.10, -1.9, -1.9), back + Vec3::new(0.04, 2.4, 1.9)));
+    batch.add(stuff.green, &block(back + Vec3::new(-0.10, -1.9, -1.5), back + Vec3::new(0.04, 0.9, 1.5)));
     // The flywheel and its shaft at the other end.
     let wheel = world.mesh(gears::flywheel(1.45));
     let at =
@@ -401,25 +408,27 @@ fn path() -> CameraPath {
     let (x, z) = (f64::from(WALK.x), f64::from(WALK.z));
     let eye_y = f64::from(WALK.y) + 1.65;
     let places = [
-        ([x - 0.3, z - 1.2], [3.0, 2.4, -1.5]),
-        ([x - 1.0, z], [2.0, 2.3, -1.5]),
-        ([5.0, z], [-0.5, 2.8, -1.0]),
-        ([1.5, z], [-4.5, 3.0, -0.5]),
-        ([-2.0, z], [-7.0, 3.2, 1.0]),
-        ([-5.5, z], [-9.0, 3.2, -1.0]),
-        ([-x + 1.0, z], [-8.0, 3.0, -3.0]),
-        ([-x, z - 1.2], [-6.0, 2.4, -2.5]),
-        ([-x, 0.0], [-4.5, 2.4, -2.0]),
-        ([-x, 1.2 - z], [-4.0, 3.2, -6.5]),
-        ([1.0 - x, -z], [-3.0, 3.4, -6.5]),
-        ([-5.0, -z], [1.0, 3.2, -5.6]),
-        ([-1.5, -z], [4.5, 3.4, -5.6]),
-        ([2.0, -z], [8.0, 3.4, -4.0]),
-        ([5.5, -z], [13.0, 3.4, -1.5]),
-        ([x - 1.0, -z], [13.0, 3.2, 0.5]),
-        ([x, 1.2 - z], [12.0, 3.0, 3.0]),
-        ([x, 0.0], [7.0, 2.6, 4.0]),
+        ([x - 0.4, z - 1.0], [-5.0, 2.4, -4.0]),
+        ([x - 1.2, z], [-6.0, 2.6, -3.0]),
+        ([5.0, z], [-8.0, 3.0, -2.0]),
+        ([1.5, z], [-11.0, 3.4, 0.0]),
+        ([-2.0, z], [-12.5, 3.2, -5.0]),
+        ([-5.5, z], [-10.0, 3.2, -9.0]),
+        ([-x + 1.2, z], [-7.0, 3.4, -9.0]),
+        ([-x, z - 1.2], [-4.0, 3.2, -9.0]),
+        ([-x, 0.0], [3.0, 3.0, -8.0]),
+        ([-x, 1.2 - z], [5.0, 3.4, -7.0]),
+        ([1.2 - x, -z], [6.0, 3.6, -6.4]),
+        ([-5.0, -z], [9.0, 3.6, -6.0]),
+        ([-1.5, -z], [13.0, 3.6, -5.0]),
+        ([2.0, -z], [14.0, 3.7, -2.0]),
+        ([5.5, -z], [14.0, 3.6, 2.0]),
+        ([x - 1.2, -z], [12.0, 3.8, 8.0]),
+        ([x, 1.2 - z], [5.0, 3.8, 9.0]),
+        ([x, 0.0], [-3.0, 3.4, 7.0]),
     ];
-    let places = places.map(|([x, z], target)| (DVec3::new(x, eye_y, z), DVec3::from(target)));
+    let mut places = places.map(|([x, z], target)| (DVec3::new(x, eye_y, z), DVec3::from(target)));
+    // It starts with the row of tanks in view.
+    places.rotate_left(9);
     camera::round(&places, 0.9)
 }

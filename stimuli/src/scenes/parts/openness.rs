@@ -4,9 +4,10 @@
 use crate::world::{MeshLevel, World};
 use glam::{Affine3A, IVec3, Vec3};
 use std::f32::consts::TAU;
+use std::sync::Mutex;
 
 /// Rays from every vertex.
-const RAYS: u32 = 20;
+const RAYS: u32 = 14;
 
 /// A box of cells, each full or empty.
 struct Occupancy {
@@ -58,7 +59,6 @@ impl Occupancy {
     fn open(&self, at: Vec3, normal: Vec3, reach_m: f32) -> f32 {
         let right = normal.any_orthonormal_vector();
         let up = normal.cross(right);
-        let steps = (reach_m / self.cell_m).ceil() as i32;
         // The surface's own cells do not count.
         let start = at + normal * (1.6 * self.cell_m);
         let mut free = 0.0;
@@ -67,12 +67,13 @@ impl Occupancy {
             let (sin, cos) = (ray as f32 * 0.618_034 * TAU).sin_cos();
             let flat = share.sqrt();
             let d = right * (flat * cos) + up * (flat * sin) + normal * (1.0 - share).sqrt();
-            let blocked = (0..steps).find(|&step| {
-                let point = start + d * (step as f32 * self.cell_m);
-                self.index(point).is_some_and(|index| self.full[index])
-            });
+            // Steps of a cell at first, longer farther away.
+            let mut along = 0.0;
+            while along < reach_m && !self.index(start + d * along).is_some_and(|index| self.full[index]) {
+                along += self.cell_m.max(0.2 * along);
+            }
             // What is farther away darkens less.
-            free += blocked.map_or(1.0, |step| (step as f32 / steps as f32).powi(2));
+            free += (along / reach_m).min(1.0).powi(2);
         }
         free / RAYS as f32
     }
@@ -88,16 +89,28 @@ pub(crate) fn bake(world: &mut World, cell_m: f32, reach_m: f32, least: f32) {
             *count += 1;
         }
     }
+    let mut places = vec![None; world.meshes.len()];
     for object in world.objects.iter().filter(|object| !object.motion.moves() && uses.get(object.mesh) == Some(&1)) {
-        let at = object.motion.at(0.0);
-        let Some(mesh) = world.meshes.get_mut(object.mesh) else { continue };
-        for vertex in mesh.levels.iter_mut().flat_map(|level| &mut level.vertices) {
-            let place = at.transform_point3(vertex.position.into());
-            let normal = at.transform_vector3(vertex.normal.into()).normalize_or(Vec3::Y);
-            let open = grid.open(place, normal, reach_m);
-            vertex.tangent[3] *= least + (1.0 - least) * open;
-        }
+        places[object.mesh] = Some(object.motion.at(0.0));
     }
+    let jobs = Mutex::new(world.meshes.iter_mut().zip(places));
+    let work = || {
+        loop {
+            let Some((mesh, at)) = jobs.lock().ok().and_then(|mut jobs| jobs.next()) else { return };
+            let Some(at) = at else { continue };
+            for vertex in mesh.levels.iter_mut().flat_map(|level| &mut level.vertices) {
+                let place = at.transform_point3(vertex.position.into());
+                let normal = at.transform_vector3(vertex.normal.into()).normalize_or(Vec3::Y);
+                let open = grid.open(place, normal, reach_m);
+                vertex.tangent[3] *= least + (1.0 - least) * open;
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, std::num::NonZero::get) {
+            scope.spawn(work);
+        }
+    });
 }
 
 #[cfg(test)]

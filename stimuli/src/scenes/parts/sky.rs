@@ -36,28 +36,33 @@ impl Sky {
     fn radiance(&self, d: Vec3, sun: Vec3) -> Vec3 {
         let flat = Vec3::new(d.x, 0.0, d.z).normalize_or(Vec3::X);
         let slope = d.y / (1.0 - d.y * d.y).max(1e-6).sqrt();
-        if slope < 0.0 && self.mountains <= 0.0 {
+        if slope < -0.02 || (slope < 0.0 && self.mountains <= 0.0) {
             return self.ground.lerp(self.horizon, (1.0 + 12.0 * slope).max(0.0) * 0.6);
         }
-        // Three ranges, the farther the paler and the higher.
-        for (range, reach) in [(0, 0.45), (1, 0.75), (2, 1.0)] {
+        let mut colour = self.open(d, sun);
+        if slope > 1.3 * self.mountains {
+            return colour;
+        }
+        // Three ranges from far to near, the farther the paler and the higher; their crests are as soft as a pixel.
+        for (range, reach) in [(2, 1.0), (1, 0.75), (0, 0.45)] {
             let seed = self.seed.wrapping_add(71 * range);
-            let line = self.mountains * reach * (0.25 + 0.75 * ridges(3.0 * flat, 6, seed).powf(1.4));
-            if self.mountains > 0.0 && slope < line {
-                return self.mountain(d, slope / line.max(1e-6), range, sun);
+            let line = self.mountains * reach * (0.25 + 0.75 * ridges(3.0 * flat, 4, seed).powf(1.4));
+            let cover = smoothstep(line + 0.003, line - 0.003, slope);
+            if cover > 0.0 {
+                colour = colour.lerp(self.mountain(d, slope / line.max(1e-6), range, sun), cover);
             }
         }
-        self.open(d, sun)
+        colour
     }
 
     /// Rock below and snow above, lit from the sun's side, and paled by the air before it.
     fn mountain(&self, d: Vec3, height: f32, range: u32, sun: Vec3) -> Vec3 {
         let seed = self.seed.wrapping_add(71 * range);
         let at = Vec3::new(14.0 * d.x, 30.0 * d.y, 14.0 * d.z);
-        let rough = ridges(at, 5, seed.wrapping_add(9));
+        let rough = ridges(at, 3, seed.wrapping_add(9));
         // The slope towards the light from the change of the relief along the horizon to the sun.
         let across = Vec3::new(sun.x, 0.4, sun.z).normalize_or(Vec3::X);
-        let light = 0.55 + 2.2 * (rough - ridges(at + 0.12 * across, 5, seed.wrapping_add(9)));
+        let light = 0.55 + 2.2 * (rough - ridges(at + 0.12 * across, 3, seed.wrapping_add(9)));
         let snow = smoothstep(0.45, 0.7, height + 0.5 * (rough - 0.5)) * f32::from(range > 0);
         let rock = Vec3::new(0.13, 0.14, 0.13).lerp(Vec3::new(0.10, 0.16, 0.06), 1.0 - height.clamp(0.0, 1.0));
         let lit = rock.lerp(Vec3::splat(0.85), snow) * light.clamp(0.15, 1.1) * self.sun_colour.max(Vec3::splat(0.3));
@@ -75,7 +80,7 @@ impl Sky {
         let cover = if self.clouds > 0.0 && up > 0.01 {
             // Clouds lie on a flat layer: smaller and denser towards the horizon.
             let layer = Vec3::new(d.x, 0.0, d.z) / (up + 0.12);
-            let n = 0.5 + 0.6 * clouds(1.1 * layer, 6, self.seed) + 0.15 * clouds(0.35 * layer, 2, self.seed ^ 5);
+            let n = 0.5 + 0.6 * clouds(1.1 * layer, 4, self.seed) + 0.15 * clouds(0.35 * layer, 2, self.seed ^ 5);
             let amount = smoothstep(1.0 - self.clouds, 1.35 - self.clouds, n) * smoothstep(0.01, 0.12, up);
             // Their undersides are darker where they are thick, and their rims shine towards the sun.
             let thick = smoothstep(1.0 - self.clouds, 1.9 - self.clouds, n);

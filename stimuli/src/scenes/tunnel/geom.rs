@@ -2,13 +2,16 @@
 //! with crystals that glow in its niches.
 
 use super::{LENGTH, RADIUS, Station, lamp, lamp_colour, lamps, path, station};
-use crate::contract::{MakeError, SceneLight, ToneMap};
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
 use crate::scenes::parts::forms::{hanging, lattice};
 use crate::scenes::parts::noise::{clouds, hash, ridges, smoothstep};
 use crate::scenes::parts::{Batch, camera, openness};
-use crate::world::shapes::{block, lathe, upright};
-use crate::world::{Environment, Light, Material, Object, Panorama, Pattern, PatternKind, World};
+use crate::world::shapes::{block, upright};
+use crate::world::{Environment, Light, Material, MeshLevel, Object, Panorama, Pattern, PatternKind, World};
 use experiments::catalogue::{Parameters, SceneInfo};
+use experiments::display::Display;
 use glam::{Affine3A, IVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -18,7 +21,7 @@ const AROUND: u32 = 90;
 /// Pieces of the wall.
 const PIECES: u32 = 40;
 /// Height of the floor over the lowest point of the circle, metres.
-const FLOOR: f32 = 0.75;
+const FLOOR: f32 = 1.1;
 
 pub(crate) fn info() -> SceneInfo {
     SceneInfo {
@@ -31,12 +34,16 @@ pub(crate) fn info() -> SceneInfo {
     }
 }
 
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+    mesh_scene::make(gpu, display, world(parameters)?)
+}
+
 /// The world for completed parameters.
 pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     let mut world = World {
-        environment: Environment::of(Panorama::uniform(Vec3::new(0.035, 0.042, 0.055))),
+        environment: Environment::of(Panorama::uniform(Vec3::new(0.06, 0.07, 0.09))),
         camera: camera::set(path(), parameters)?,
-        light: SceneLight { exposure: 0.9, tone_map: ToneMap::Filmic },
+        light: SceneLight { exposure: 1.0, tone_map: ToneMap::Filmic },
         ..World::default()
     };
     let rock = Material::matt([0.42, 0.34, 0.27], 0.42)
@@ -108,7 +115,7 @@ fn furnish(world: &mut World) {
         batch.add_at(iron, &cage, frame);
         batch.add_at(glows[usize::from(!warm)], &glass, frame);
         let light = at - here.up * 0.45;
-        world.lights.push(Light::Point { at: light, colour: 3.4 * lamp_colour(warm), reach_m: 11.0 });
+        world.lights.push(Light::Point { at: light, colour: 9.0 * lamp_colour(warm), reach_m: 15.0 });
         hooks.push(at + here.up * 0.02);
         let middle_turn = (i as f32 + 1.0) / count as f32;
         hooks.push(ceiling(&station(middle_turn), middle_turn));
@@ -145,12 +152,12 @@ fn furnish(world: &mut World) {
 /// Clusters of six-sided crystals that grow out of the wall and glow faintly.
 fn crystals(world: &mut World, batch: &mut Batch) {
     let kinds = [
-        ([0.20, 0.55, 0.75], Vec3::new(0.02, 0.16, 0.30)),
-        ([0.62, 0.25, 0.70], Vec3::new(0.20, 0.03, 0.26)),
-        ([0.85, 0.62, 0.22], Vec3::new(0.28, 0.13, 0.01)),
+        ([0.20, 0.55, 0.75], Vec3::new(0.005, 0.05, 0.09)),
+        ([0.62, 0.25, 0.70], Vec3::new(0.06, 0.01, 0.08)),
+        ([0.85, 0.62, 0.22], Vec3::new(0.09, 0.045, 0.005)),
     ]
     .map(|(albedo, emission)| world.material(Material { emission, ..Material::matt(albedo, 0.12) }));
-    let crystal = lathe(&[[0.055, -0.15], [0.075, 0.42], [0.0, 0.58]], 6);
+    let crystal = crystal();
     for cluster in 0..46 {
         let key = IVec3::new(cluster, 0, 0);
         let turn = (cluster as f32 + 0.6 * hash(key, 1)) / 46.0;
@@ -167,6 +174,24 @@ fn crystals(world: &mut World, batch: &mut Batch) {
             batch.add_at(kinds[cluster as usize % kinds.len()], &crystal, place);
         }
     }
+}
+
+/// A pointed prism of six flat sides along y.
+fn crystal() -> MeshLevel {
+    let mut level = MeshLevel::default();
+    let corner = |i: u32, radius: f32, y: f32| {
+        let (sin, cos) = (i as f32 / 6.0 * TAU).sin_cos();
+        Vec3::new(radius * sin, y, radius * cos)
+    };
+    let uv = [Vec2::ZERO, Vec2::ONE];
+    for i in 0..6 {
+        let (low, high) = (|i| corner(i, 0.06, -0.15), |i| corner(i, 0.08, 0.42));
+        level.quad([low(i), low(i + 1), high(i + 1), high(i)], uv);
+        // Half a side each, so that no corner is empty.
+        let (tip, middle) = (Vec3::Y * 0.62, 0.5 * (high(i) + high(i + 1)));
+        level.quad([high(i), middle, high(i + 1), tip], uv);
+    }
+    level
 }
 
 #[cfg(test)]

@@ -2,12 +2,15 @@
 //! ribs: all its detail comes from maps and shaders.
 
 use super::{LENGTH, RADIUS, lamp, lamp_colour, lamps, path, station};
-use crate::contract::{MakeError, SceneLight, ToneMap};
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
 use crate::scenes::parts::forms::{hanging, lattice, torus};
 use crate::scenes::parts::noise::{clouds, hash, ridges};
 use crate::scenes::parts::{Batch, camera};
 use crate::world::{Environment, Light, Map, Material, Object, Panorama, Pattern, PatternKind, World};
 use experiments::catalogue::{Parameters, SceneInfo};
+use experiments::display::Display;
 use glam::{Affine3A, IVec3, Quat, Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -31,12 +34,16 @@ pub(crate) fn info() -> SceneInfo {
     }
 }
 
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+    mesh_scene::make(gpu, display, world(parameters)?)
+}
+
 /// The world for completed parameters.
 pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     let mut world = World {
         environment: Environment::of(Panorama::uniform(Vec3::new(0.10, 0.11, 0.13))),
         camera: camera::set(path(), parameters)?,
-        light: SceneLight { exposure: 0.9, tone_map: ToneMap::Filmic },
+        light: SceneLight { exposure: 1.2, tone_map: ToneMap::Filmic },
         ..World::default()
     };
     let looks = looks(&mut world);
@@ -46,8 +53,8 @@ pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
             let here = station(turn(i));
             here.at + RADIUS * here.across(j as f32 / AROUND as f32)
         };
-        // Whole repeats around, so that the map closes: 15 map metres on a circumference of 15.08 m.
-        let uv = |i: i32, j: i32| Vec2::new(turn(i) * LENGTH, -15.0 * j as f32 / AROUND as f32);
+        // Whole repeats around, so that the map closes: 10 on a circumference of 20.1 m.
+        let uv = |i: i32, j: i32| Vec2::new(0.5 * turn(i) * LENGTH, -10.0 * j as f32 / AROUND as f32);
         let mesh = world.mesh(lattice(ALONG, AROUND, place, uv));
         world.objects.push(Object::still(mesh, looks[section as usize % looks.len()]));
     }
@@ -72,7 +79,7 @@ fn closed(at: Vec2, scale: f32) -> Vec3 {
     scale * Vec3::new((2.0 + c) * d, (2.0 + c) * t, s)
 }
 
-/// The sections' materials in their order; those of maps repeat every metre of the map coordinates.
+/// The sections' materials in their order; those of maps repeat every two metres.
 fn looks(world: &mut World) -> Vec<usize> {
     let colours = |a: [f32; 3], b: [f32; 3], t: f32| Vec3::from(a).lerp(b.into(), t);
     let checker = map(|at| {
@@ -147,7 +154,7 @@ fn furnish(world: &mut World) {
         batch.add_at(iron, &cage, frame);
         batch.add_at(glows[usize::from(!warm)], &glass, frame);
         let colour = lamp_colour(warm).lerp(Vec3::ONE, 0.45);
-        world.lights.push(Light::Point { at: at - here.up * 0.5, colour: 3.4 * colour, reach_m: 11.0 });
+        world.lights.push(Light::Point { at: at - here.up * 0.5, colour: 8.0 * colour, reach_m: 15.0 });
         hooks.push(at + here.up * 0.08);
         let between = station((i as f32 + 1.0) / super::LAMPS as f32);
         hooks.push(between.at + between.up * (RADIUS - 0.02));

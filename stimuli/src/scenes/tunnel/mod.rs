@@ -12,11 +12,11 @@ use glam::{Affine3A, DVec3, Mat3A, Vec3};
 use std::f32::consts::TAU;
 
 /// Radius of the tunnel, metres.
-const RADIUS: f32 = 2.4;
+const RADIUS: f32 = 3.2;
 /// Length of the loop along its middle, rounded, metres.
-const LENGTH: f32 = 236.0;
+const LENGTH: f32 = 283.0;
 /// Lamps along the loop.
-const LAMPS: u32 = 24;
+const LAMPS: u32 = 30;
 
 /// A place on the tunnel's middle line with its directions.
 #[derive(Debug, Clone, Copy)]
@@ -31,8 +31,8 @@ struct Station {
 /// The middle line at `turn`, 0–1 around the loop.
 fn middle(turn: f32) -> Vec3 {
     let t = turn * TAU;
-    let radius = 30.0 + 5.5 * (3.0 * t + 0.4).sin() + 3.0 * (5.0 * t).cos();
-    Vec3::new(radius * t.cos(), 2.6 * (2.0 * t).sin() + 1.2 * (5.0 * t + 1.0).sin(), radius * t.sin())
+    let radius = 44.0 + 4.0 * (3.0 * t + 0.4).sin() + 0.9 * (5.0 * t).cos();
+    Vec3::new(radius * t.cos(), 1.6 * (2.0 * t).sin() + 0.6 * (5.0 * t + 1.0).sin(), radius * t.sin())
 }
 
 fn station(turn: f32) -> Station {
@@ -85,11 +85,12 @@ fn lamp_colour(warm: bool) -> Vec3 {
 fn path() -> CameraPath {
     let eyes: Vec<DVec3> = (0..80)
         .map(|i| {
-            let here = station(i as f32 / 80.0);
-            (here.at - 0.25 * here.up).as_dvec3()
+            // It starts where the view ahead is long.
+            let here = station((i + 18) as f32 / 80.0);
+            (here.at - 0.5 * here.up).as_dvec3()
         })
         .collect();
-    camera::ahead(&eyes, 5.0, 2.5)
+    camera::ahead(&eyes, 9.0, 2.8, |along| along)
 }
 
 #[cfg(test)]

@@ -9,10 +9,13 @@ mod voxels;
 use super::parts::noise::{clouds, hash, pick};
 use super::parts::sky::Sky;
 use super::parts::{camera, openness};
-use crate::contract::{MakeError, SceneLight, ToneMap};
+use crate::contract::{MakeError, Scene, SceneLight, ToneMap};
+use crate::gpu::Gpu;
+use crate::mesh_scene;
 use crate::world::{CameraPath, Environment, Object, World};
 use buildings::Plot;
 use experiments::catalogue::{Parameters, SceneInfo};
+use experiments::display::Display;
 use glam::{Affine3A, DVec3, IVec3, Quat, Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -45,12 +48,17 @@ pub(crate) fn info() -> SceneInfo {
     }
 }
 
+pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
+    mesh_scene::make(gpu, display, world(parameters)?)
+}
+
 /// The world for completed parameters.
 pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     let mut world = World {
-        environment: Environment::of(sky().paint(512)),
+        environment: Environment::of(sky().paint(256)),
         camera: camera::set(path(), parameters)?,
-        light: SceneLight { exposure: 0.62, tone_map: ToneMap::Filmic },
+        light: SceneLight { exposure: 0.78, tone_map: ToneMap::Filmic },
+        shadow_bounds: Some([Vec3::new(-90.0, -2.0, -90.0), Vec3::new(90.0, 50.0, 90.0)]),
         ..World::default()
     };
     let mut builder = Builder { world: &mut world, materials: BTreeMap::new() };
@@ -65,11 +73,11 @@ fn sky() -> Sky {
     Sky {
         sun_towards: Vec3::new(-0.62, 0.55, 0.56),
         sun_colour: Vec3::new(2.6, 2.0, 1.35),
-        zenith: Vec3::new(0.13, 0.28, 0.62),
+        zenith: Vec3::new(0.24, 0.34, 0.54),
         horizon: Vec3::new(0.80, 0.76, 0.70),
         ground: Vec3::new(0.30, 0.26, 0.20),
         clouds: 0.0,
-        mountains: 0.10,
+        mountains: 0.0,
         seed: 8,
     }
 }
@@ -288,14 +296,15 @@ fn hill_top(at: Vec2) -> f32 {
 
 /// Along a street to the plaza, around the clock tower, up a street over the roofs, and down again.
 fn path() -> CameraPath {
-    let eyes = [
+    let mut eyes = [
         [0.0, 2.6, 48.0],
         [0.0, 2.4, 36.0],
         [0.0, 2.6, 24.0],
-        [4.0, 3.4, 14.0],
-        [10.0, 4.6, 4.0],
-        [9.0, 6.5, -7.0],
-        [0.5, 7.0, -16.0],
+        [1.0, 3.2, 14.5],
+        [6.0, 4.2, 8.0],
+        [7.8, 5.5, 0.0],
+        [6.0, 6.6, -7.5],
+        [1.0, 6.8, -15.0],
         [0.0, 5.0, -27.0],
         [1.0, 3.4, -34.5],
         [9.0, 3.0, -36.0],
@@ -322,7 +331,15 @@ fn path() -> CameraPath {
         [-3.0, 2.6, 53.5],
     ]
     .map(DVec3::from);
-    camera::ahead(&eyes, 9.0, 4.0)
+    // It starts over the roofs.
+    eyes.rotate_left(15);
+    // Climbing, it still looks to the horizon, and from above the roofs down to the streets.
+    let mut path = camera::ahead(&eyes, 12.0, 4.0, |along| DVec3::new(along.x, 0.2 * along.y, along.z));
+    for key in &mut path.keys {
+        let above = ((key.eye.y - 6.0) / 26.0).clamp(0.0, 1.0);
+        key.target.y -= 0.40 * above * above * (3.0 - 2.0 * above);
+    }
+    path
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub(super) fn material(stuff: Stuff) -> Material {
         flat(albedo, roughness).with(Pattern::new(kind, second, scale))
     };
     match stuff {
-        ASPHALT => mixed([0.11, 0.11, 0.12], [0.16, 0.155, 0.15], PatternKind::Clouds, 1.3, 0.8),
+        ASPHALT => mixed([0.17, 0.165, 0.16], [0.23, 0.22, 0.21], PatternKind::Clouds, 1.3, 0.8),
         PAVEMENT => mixed([0.44, 0.41, 0.37], [0.24, 0.22, 0.20], PatternKind::Tiles, 2.0, 0.8),
         GRASS => mixed([0.16, 0.27, 0.05], [0.24, 0.33, 0.08], PatternKind::Clouds, 0.7, 0.95),
         WATER => flat([0.02, 0.07, 0.08], 0.08),
