@@ -16,7 +16,7 @@ const WORLDS: [(fn() -> SceneInfo, Build, [usize; 2]); 6] = [
     (grid_world::info, grid_world::world, [8_000, 8_030]),
     (atrium::info, atrium::world, [150, 450]),
     (tunnel::geom::info, tunnel::geom::world, [200, 320]),
-    (tunnel::maps::info, tunnel::maps::world, [60, 200]),
+    (tunnel::maps::info, tunnel::maps::world, [60, 300]),
     (voxel_town::info, voxel_town::world, [150, 600]),
     (engine_room::info, engine_room::world, [200, 600]),
 ];

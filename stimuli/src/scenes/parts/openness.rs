@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 use std::sync::Mutex;
 
 /// Rays from every vertex.
-const RAYS: u32 = 14;
+const RAYS: u32 = 10;
 
 /// A box of cells, each full or empty.
 struct Occupancy {

@@ -187,9 +187,9 @@ fn crystal() -> MeshLevel {
     for i in 0..6 {
         let (low, high) = (|i| corner(i, 0.06, -0.15), |i| corner(i, 0.08, 0.42));
         level.quad([low(i), low(i + 1), high(i + 1), high(i)], uv);
-        // Half a side each, so that no corner is empty.
-        let (tip, middle) = (Vec3::Y * 0.62, 0.5 * (high(i) + high(i + 1)));
-        level.quad([high(i), middle, high(i + 1), tip], uv);
+        // The tip's triangle as two, so that none is empty.
+        let tip = Vec3::Y * 0.62;
+        level.quad([high(i), high(i + 1), 0.5 * (high(i + 1) + tip), tip], uv);
     }
     level
 }
