@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut scene = file.make(&gpu, &display, &parameters.into_iter().collect())?;
             let frame = FrameInput { animation_s: 0.5, ..FrameInput::default() };
             renderer.render(&gpu, scene.as_mut(), &frame)?;
-            let picture = Background::Picture(renderer.output());
+            let picture = Background::Picture(renderer.output(), scene.light());
             let stem = name.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
             let path = folder.join(format!("{stem}{suffix}.png"));
             readback::displayed(&gpu, &display_pass, display.resolution_px(), picture, None)?.save(&path)?;

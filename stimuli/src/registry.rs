@@ -22,6 +22,12 @@ const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
     (scenes::noise::info, scenes::noise::make),
     (scenes::campbell_robson::info, scenes::campbell_robson::make),
     (scenes::zone_plate::info, scenes::zone_plate::make),
+    (scenes::grid_world::info, scenes::grid_world::make),
+    (scenes::atrium::info, scenes::atrium::make),
+    (scenes::tunnel::geom::info, scenes::tunnel::geom::make),
+    (scenes::tunnel::maps::info, scenes::tunnel::maps::make),
+    (scenes::voxel_town::info, scenes::voxel_town::make),
+    (scenes::engine_room::info, scenes::engine_room::make),
 ];
 
 const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[

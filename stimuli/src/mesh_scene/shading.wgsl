@@ -10,6 +10,8 @@ struct Surface {
     roughness: f32,
     metalness: f32,
     emission: vec3f,
+    // Share of the sky that reaches it.
+    open: f32,
 }
 
 // A place on a mesh, as rasterised or hit.
@@ -81,7 +83,9 @@ fn relief_normal(m: Material, place: Place, shares: vec3f) -> vec3f {
     let along = cross(place.normal, place.world_dx);
     let area = dot(place.world_dx, across);
     let tilt = sign(area) * (slope.x * across + slope.y * along);
-    return normalize(abs(area) * place.normal - tilt);
+    // No steeper than 45 degrees: a step in the pattern is not a cliff.
+    let steep = abs(area) / max(length(tilt), 1e-20);
+    return normalize(abs(area) * place.normal - tilt * min(steep, 1.0));
 }
 
 // The surface with its maps.
@@ -101,7 +105,7 @@ fn with_maps(plain: Surface, m: Material, place: Place) -> Surface {
     if m.normal_map >= 0 {
         let tilt = (data_of_map(m.normal_map, place).xyz * 2.0 - 1.0) * vec3f(m.normal_scale, m.normal_scale, 1.0);
         let tangent = normalize(place.tangent.xyz);
-        let bitangent = cross(place.normal, tangent) * place.tangent.w;
+        let bitangent = cross(place.normal, tangent) * sign(place.tangent.w);
         s.normal = normalize(tilt.x * tangent + tilt.y * bitangent + max(tilt.z, 1e-3) * place.normal);
     }
     return s;
@@ -118,6 +122,7 @@ fn surface_at(place: Place) -> Surface {
     s.roughness = m.roughness;
     s.metalness = m.metalness;
     s.emission = m.emission;
+    s.open = abs(place.tangent.w);
     if HAS_MAPS {
         s = with_maps(s, m, place);
     }
@@ -274,7 +279,7 @@ fn shade(s: Surface) -> vec3f {
     let f0 = mix(vec3f(0.04), s.albedo, s.metalness);
     let mirrored = f0 * sky_reflectance(s.roughness, n_v).x + sky_reflectance(s.roughness, n_v).y;
     let level = f32(frame.sky_levels - 1u) * clamp(1.15 * sqrt(s.roughness) - 0.1, 0.0, 0.92);
-    colour += ambient_light(s.normal) * s.albedo * (1.0 - s.metalness) * (1.0 - mirrored);
-    colour += sky_in_direction(reflect(-s.view, s.normal), level) * mirrored;
+    colour += s.open * ambient_light(s.normal) * s.albedo * (1.0 - s.metalness) * (1.0 - mirrored);
+    colour += s.open * sky_in_direction(reflect(-s.view, s.normal), level) * mirrored;
     return min(colour, vec3f(6e4));
 }

@@ -35,7 +35,7 @@ impl Shadow {
             _ => None,
         });
         let sun = lamp.or(world.environment.sun);
-        let bounds = sun.and(world.bounds(0.0));
+        let bounds = sun.and(world.shadow_bounds.or_else(|| world.bounds(0.0)));
         let (matrix, texel_m) = bounds.zip(sun).map_or((Mat4::IDENTITY, 0.0), |(b, sun)| sun_view(b, sun.towards));
         let size = if texel_m > 0.0 { SIZE } else { 1 };
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {

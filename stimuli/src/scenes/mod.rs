@@ -1,11 +1,19 @@
 //! The scenes, one Rust file and one WGSL file each. Add a line to [`crate::registry`] for a new one.
 
+pub(crate) mod atrium;
 pub(crate) mod campbell_robson;
 mod coloured;
+pub(crate) mod engine_room;
+pub(crate) mod grid_world;
 pub(crate) mod noise;
 pub(crate) mod orbit;
+pub(crate) mod parts;
 pub(crate) mod patch;
 pub(crate) mod photo;
+pub(crate) mod tunnel;
+pub(crate) mod voxel_town;
+#[cfg(test)]
+mod worlds_tests;
 pub(crate) mod zone_plate;
 
 use crate::contract::{DrawCost, DrawRequest, View};

@@ -10,7 +10,8 @@ pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
     /// Unit vector outwards.
     pub(crate) normal: [f32; 3],
-    /// Unit vector in which `uv.x` grows; in the fourth number the sign of the direction in which `uv.y` grows.
+    /// Unit vector in which `uv.x` grows; in the fourth number the sign of the direction in which `uv.y` grows, times the
+    /// share of the surroundings that is seen from here (1 where nothing is in the way).
     pub(crate) tangent: [f32; 4],
     /// Coordinates on maps, which repeat; y downwards.
     pub(crate) uv: [f32; 2],

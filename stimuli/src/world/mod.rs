@@ -63,6 +63,9 @@ pub(crate) struct World {
     pub(crate) light: SceneLight,
     /// Points of a procedural pattern that are averaged in each pixel; 0 counts as 1.
     pub(crate) pattern_samples: u32,
+    /// Where the sun's shadows are wanted, lowest and highest corner, where that is less than the whole world: the smaller,
+    /// the finer they are.
+    pub(crate) shadow_bounds: Option<[glam::Vec3; 2]>,
 }
 
 impl World {
