@@ -16,6 +16,33 @@ pub struct Catalogue {
     pub scenes: Vec<SceneInfo>,
     /// Renderers, the full-resolution reference among them.
     pub renderers: Vec<RendererInfo>,
+    /// Folders of frames, each of them a scene and a renderer of one name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub captures: Vec<CaptureInfo>,
+    /// Names that a study gives to files which cannot be used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<RefusedFile>,
+}
+
+/// What holds for a folder of frames, whatever is set: its renderer shows its own scene alone, on a display that is not
+/// smaller than the frames, since they are never scaled.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CaptureInfo {
+    /// The name of the scene and of the renderer.
+    pub id: String,
+    /// Width and height of the frames in pixels.
+    pub size_px: [u32; 2],
+}
+
+/// A file that a study names and that is no scene or renderer; what is wrong in it is said apart.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RefusedFile {
+    /// The name that the study gives it.
+    pub name: String,
+    /// What would have been accepted.
+    pub expected: String,
+    /// What was there.
+    pub found: String,
 }
 
 /// A scene, as studies see it.
@@ -293,6 +320,31 @@ impl Catalogue {
     #[must_use]
     pub fn renderer(&self, id: &str) -> Option<&RendererInfo> {
         self.renderers.iter().find(|renderer| renderer.id == id)
+    }
+
+    /// The folder of frames of this name.
+    #[must_use]
+    pub fn capture(&self, id: &str) -> Option<&CaptureInfo> {
+        self.captures.iter().find(|capture| capture.id == id)
+    }
+
+    /// Why a scene cannot be shown by a renderer on a display of `resolution_px`, as "expected …, found …"; nothing where
+    /// it can.
+    #[must_use]
+    pub fn mismatch(&self, scene: &str, renderer: &str, resolution_px: Option<[u32; 2]>) -> Option<String> {
+        if self.capture(renderer).is_some() && scene != renderer {
+            return Some(format!(
+                "expected the scene \"{renderer}\", whose frames the renderer \"{renderer}\" shows, found \"{scene}\""
+            ));
+        }
+        let (capture, [width, height]) = self.capture(scene).zip(resolution_px)?;
+        let [frame_width, frame_height] = capture.size_px;
+        (frame_width > width || frame_height > height).then(|| {
+            format!(
+                "expected frames of at most {width}×{height} pixels, the display's own, since they are never scaled, \
+                 found frames of {frame_width}×{frame_height}"
+            )
+        })
     }
 }
 
