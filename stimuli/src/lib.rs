@@ -2,21 +2,25 @@
 //!
 //! [`contract`] holds the two contracts, [`registry`] makes every scene and renderer by name and describes them as data for
 //! studies, [`gpu`] opens the device, [`display_pass`] and [`readback`] bring a linear picture to a display or to disk,
-//! and [`foveation`] is the mathematics without a GPU. This crate opens no window, reads no clock and writes no file.
+//! and [`foveation`] is the mathematics without a GPU. This crate opens no window, reads no clock and writes no
+//! file; it reads only the pictures that it is told to.
 
 #![cfg_attr(test, allow(clippy::print_stdout, reason = "tests print what they measured"))]
 
 pub mod contract;
 pub mod display_pass;
 pub mod foveation;
+mod frames;
 pub mod geometry;
 pub mod gpu;
 pub mod readback;
 pub mod registry;
 pub mod tally;
 
+mod mips;
 mod parameters;
 mod pass;
+mod pictures;
 mod renderers;
 mod scenes;
 mod tiles;
@@ -29,4 +33,4 @@ pub use contract::{
 pub use display_pass::{Background, Disc, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};
 pub use gpu::{Gpu, GpuError};
-pub use registry::{catalogue, make_renderer, make_scene};
+pub use registry::{AddError, Registry, catalogue, make_renderer, make_scene};

@@ -254,6 +254,9 @@ mod tests {
     fn every_shader_is_valid() {
         let shaders = [
             ("display_pass", crate::display_pass::WGSL),
+            ("centred", crate::scenes::centred::WGSL),
+            ("frames", crate::frames::WGSL),
+            ("mips", crate::mips::WGSL),
             ("noise", crate::scenes::noise::WGSL),
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),

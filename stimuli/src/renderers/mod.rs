@@ -6,3 +6,4 @@ pub(crate) mod layers;
 pub(crate) mod low_passed;
 pub(crate) mod reference;
 pub(crate) mod ring;
+pub(crate) mod wgsl;

@@ -1,9 +1,11 @@
 //! The scenes, one Rust file and one WGSL file each. Add a line to [`crate::registry`] for a new one.
 
+pub(crate) mod centred;
 pub(crate) mod noise;
 pub(crate) mod orbit;
 pub(crate) mod patch;
 pub(crate) mod photo;
+pub(crate) mod picture;
 
 use crate::contract::{DrawCost, DrawRequest, View};
 use crate::gpu::Gpu;

@@ -1,0 +1,118 @@
+//! Scenes and renderers from files: WGSL, folders of frames, pictures, and the place where glTF models and environments
+//! join them.
+
+use super::Registry;
+use crate::frames::{self, FrameStore};
+use crate::renderers::wgsl::WgslProgram;
+use crate::scenes::picture;
+use experiments::catalogue::CaptureInfo;
+use experiments::study::Mistakes;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Why a file is no scene or renderer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum AddError {
+    /// The name is in use.
+    #[error("expected a name of its own, found \"{name}\", which is the name of another {kind}")]
+    Taken {
+        /// `scene` or `renderer`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// The text of a file has mistakes.
+    #[error(transparent)]
+    Mistakes(#[from] Box<Mistakes>),
+    /// A file cannot be used.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// What was expected and found.
+        reason: String,
+    },
+}
+
+impl Registry {
+    /// Adds a renderer written in WGSL. `file` is its name in messages; see [`crate::renderers::wgsl`] for what it may
+    /// say. The text is compiled for no device here, but checked as far as that goes.
+    ///
+    /// # Errors
+    /// Every mistake at the file's own line and column, or a name that is in use.
+    pub fn add_wgsl(&mut self, name: &str, text: &str, file: &str) -> Result<(), AddError> {
+        let program = WgslProgram::compile(name, text, file).map_err(Box::new)?;
+        let info = program.info().clone();
+        let program = Arc::new(program);
+        self.add_renderer(info, Arc::new(move |gpu, display, set| program.make(gpu, display, set)))
+    }
+
+    /// Adds a folder of frames that another engine rendered, as a scene and as a renderer of one name. Says which files
+    /// it consists of, relative to the folder, and what its manifest says.
+    ///
+    /// # Errors
+    /// Every mistake of `manifest.json`, and every file that is missing or of another size.
+    pub fn add_frames(&mut self, name: &str, folder: &Path) -> Result<FramesAdded, AddError> {
+        let store = Arc::new(FrameStore::open(folder)?);
+        let (scene, renderer) = (frames::scene_info(name, store.frames()), frames::renderer_info(name, store.frames()));
+        let added = FramesAdded { manifest: store.manifest().to_owned(), files: store.files() };
+        let capture = CaptureInfo { id: name.to_owned(), size_px: store.frames().size_px };
+        // Neither without the other.
+        let mut with = self.clone();
+        let of_scene = Arc::clone(&store);
+        with.add_scene(scene, Arc::new(move |gpu, display, _| frames::make_scene(gpu, display, &of_scene)))?;
+        let info = renderer.clone();
+        with.add_renderer(
+            renderer,
+            Arc::new(move |gpu, display, set| frames::make_renderer(gpu, display, &store, &info, set)),
+        )?;
+        with.captures.push(capture);
+        *self = with;
+        Ok(added)
+    }
+
+    /// Adds a PNG, JPEG or EXR picture as a scene.
+    ///
+    /// # Errors
+    /// When the file is no such picture or the name is in use.
+    pub fn add_picture(&mut self, name: &str, file: &Path) -> Result<(), AddError> {
+        let reason = |reason| AddError::File { file: file.display().to_string(), reason };
+        picture::check(file).map_err(reason)?;
+        let file = file.to_owned();
+        self.add_scene(
+            picture::info(name),
+            Arc::new(move |gpu, display, parameters| picture::make(gpu, display, &file, parameters)),
+        )
+    }
+
+    /// Adds a glTF 2.0 model as a scene, lit by `environment` if there is one.
+    ///
+    /// # Errors
+    /// Always: this version reads no models.
+    pub fn add_gltf(&mut self, _name: &str, file: &Path, _environment: Option<&Path>) -> Result<(), AddError> {
+        Err(AddError::File {
+            file: file.display().to_string(),
+            reason: "expected a kind of scene that this version reads, found a glTF model".to_owned(),
+        })
+    }
+
+    /// Adds light from all around, an HDR or EXR picture, as a scene of its own.
+    ///
+    /// # Errors
+    /// Always: this version reads no environments.
+    pub fn add_environment(&mut self, _name: &str, file: &Path) -> Result<(), AddError> {
+        Err(AddError::File {
+            file: file.display().to_string(),
+            reason: "expected a kind of scene that this version reads, found an environment".to_owned(),
+        })
+    }
+}
+
+/// What a folder of frames consists of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FramesAdded {
+    /// The manifest's text.
+    pub manifest: String,
+    /// Every frame's file, relative to the folder, level by level.
+    pub files: Vec<String>,
+}
