@@ -1,6 +1,6 @@
 //! `parafovea render`: one picture of a scene under a renderer.
 
-use super::{inputs, print, print_json};
+use super::{inputs, print, print_json, resources};
 use crate::error::LabError;
 use clap::Args;
 use experiments::catalogue::{ParameterValue, Parameters};
@@ -9,14 +9,14 @@ use std::path::PathBuf;
 use stimuli::contract::FrameInput;
 use stimuli::display_pass::{Background, DisplayPass};
 use stimuli::gpu::Gpu;
-use stimuli::{readback, registry};
+use stimuli::readback;
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
-    /// The scene (see `parafovea devices`).
+    /// The scene (see `parafovea devices`), a picture, or a folder of frames.
     #[arg(long)]
     scene: String,
-    /// The renderer (see `parafovea devices`).
+    /// The renderer (see `parafovea devices`), a WGSL file, or a folder of frames.
     #[arg(long)]
     renderer: String,
     /// Where the eye looks, degrees from the display's centre, x right, y up.
@@ -34,6 +34,9 @@ pub(super) struct RenderArgs {
     /// Time on the scene's clock, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f64,
+    /// Draw again whenever the scene's or renderer's file changes, until the program is ended.
+    #[arg(long)]
+    watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -66,6 +69,13 @@ struct Rendered {
 }
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), LabError> {
+    if args.watch {
+        return resources::watch(&resources::watchable(&[&args.scene, &args.renderer]), || draw(args));
+    }
+    draw(args)
+}
+
+fn draw(args: &RenderArgs) -> Result<(), LabError> {
     let display =
         inputs::display(Some(&args.display))?.ok_or_else(|| LabError::BadInput("--display is required".to_owned()))?;
     let (mut of_scene, mut of_renderer) = (Parameters::new(), Parameters::new());
@@ -75,10 +85,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), LabError> {
             None => of_renderer.insert(name.clone(), value.clone()),
         };
     }
+    let (registry, [scene_id, renderer_id]) = resources::registry_for(&args.scene, &args.renderer)?;
+    if let Some(mismatch) = registry.catalogue().mismatch(&scene_id, &renderer_id, Some(display.resolution_px())) {
+        return Err(LabError::BadInput(format!("--scene {}: {mismatch}", args.scene)));
+    }
     let gpu = Gpu::headless()?;
     gpu.set_blocking_timing(true);
-    let mut scene = registry::make_scene(&gpu, &display, &args.scene, &of_scene)?;
-    let mut renderer = registry::make_renderer(&gpu, &display, &args.renderer, &of_renderer)?;
+    let mut scene = registry.make_scene(&gpu, &display, &scene_id, &of_scene)?;
+    let mut renderer = registry.make_renderer(&gpu, &display, &renderer_id, &of_renderer)?;
     let frame = FrameInput { gaze_deg: args.gaze, animation_s: args.time, ..FrameInput::default() };
     let cost = renderer.render(&gpu, scene.as_mut(), &frame)?;
     let pass = DisplayPass::new(&gpu, wgpu::TextureFormat::Rgba8Unorm);

@@ -4,6 +4,8 @@
 //! for both, and for replays.
 
 pub mod frame_hash;
+#[cfg(test)]
+pub(crate) mod ghost;
 pub mod launch;
 pub mod offscreen;
 pub mod painter;

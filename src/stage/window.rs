@@ -16,6 +16,7 @@ use experiments::trial::{Input, PhaseName, Presentation, keys};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use stimuli::Registry;
 use stimuli::display_pass::DisplayPass;
 use stimuli::gpu::Gpu;
 use winit::application::ApplicationHandler;
@@ -41,6 +42,8 @@ pub struct WindowOptions {
     pub display: Display,
     /// Where the fixation mark stands.
     pub gaze: GazePlan,
+    /// Scenes and renderers.
+    pub registry: Arc<Registry>,
 }
 
 /// What the window found out before the session, for the header.
@@ -325,7 +328,7 @@ impl Stage {
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&gpu.device, &configuration);
         let hash_pass = DisplayPass::new(&gpu, wgpu::TextureFormat::Rgba8Unorm);
-        let painter = Painter::new(gpu, &options.display, options.gaze.fixation_deg, format);
+        let painter = Painter::new(gpu, &options.registry, &options.display, options.gaze.fixation_deg, format);
         Ok(Self {
             window,
             surface,

@@ -264,6 +264,7 @@ mod tests {
             ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
+            ("template", crate::renderers::template::WGSL),
             ("tally", crate::tally::WGSL),
         ];
         for (name, wgsl) in shaders {

@@ -74,8 +74,12 @@ pub(crate) fn info(name: &str, frames: &Frames) -> RendererInfo {
         about: format!("Frames of {} levels, blended around the gaze.", frames.levels.len()),
         source: frames.source.clone(),
         parameters,
-        // It depends on the level that is shown, in steps.
-        detail: DetailLaw::Unknown,
+        detail: frames.mars_deg().map_or(DetailLaw::Unknown, |mars_deg| DetailLaw::Levels {
+            show: "show".to_owned(),
+            m: "m".to_owned(),
+            omega0: "omega0_deg".to_owned(),
+            levels: frames.levels.iter().map(|level| level.name.clone()).zip(mars_deg).collect(),
+        }),
     }
 }
 

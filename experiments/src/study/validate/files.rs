@@ -56,7 +56,7 @@ fn check(
             let is_there = !source.is_renderer() || catalogue.renderer(name).is_some();
             let is_there = is_there && (!source.is_scene() || catalogue.scene(name).is_some());
             if let Some(refused) = catalogue.refused.iter().find(|refused| refused.name == name) {
-                report.at(field, format!("expected {}, found {}", refused.expected, refused.found));
+                report.at(field, refused.message.clone());
             } else if !is_there {
                 report.at(field, format!("expected a {} that has been read, found none", source.what()));
             }

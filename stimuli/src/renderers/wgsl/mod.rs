@@ -1,10 +1,10 @@
 //! Renderers that are a WGSL file and nothing else: a head that declares the parameters ([`head`]) and a function
 //!
 //! ```wgsl
-//! fn colour(at: Place, set: Parameters) -> vec3f
+//! fn colour(at: Place, given: Parameters) -> vec3f
 //! ```
 //!
-//! that gives every display pixel its linear colour. `set` has a member for each parameter. `frame.wgsl` stands around it:
+//! that gives every display pixel its linear colour. `given` has a member for each parameter. `frame.wgsl` stands around it:
 //! `Place`, conversions between pixels, shares of the display and degrees, and the scene's full-resolution picture with
 //! its mip chain (`picture_at`, `sample_level`, `sample_sigma`, `sample_mar`). The picture depends on nothing else, so that
 //! the same scene, gaze and parameters give the same picture.
@@ -34,7 +34,7 @@ use wgpu::util::DeviceExt;
 /// What stands around the user's function.
 pub(crate) const FRAME_WGSL: &str = include_str!("frame.wgsl");
 /// How the function is declared.
-const FUNCTION: &str = "fn colour(at: Place, set: Parameters) -> vec3f";
+const FUNCTION: &str = "fn colour(at: Place, given: Parameters) -> vec3f";
 /// Names that begin so are the frame's own.
 const OWN_PREFIX: &str = "parafovea_";
 /// The longest text that is read, bytes.

@@ -12,11 +12,11 @@ const GOOD: &str = "\
 //! parameter strength [] -1e2..1 = 0.5: How much.
 //! detail: full
 
-fn colour(at: Place, set: Parameters) -> vec3f {
+fn colour(at: Place, given: Parameters) -> vec3f {
     let sharp = picture_at(at.px);
     let grey = dot(sharp, vec3f(0.2126, 0.7152, 0.0722));
-    let far = smoothstep(set.radius_deg, set.radius_deg + 5.0, at.eccentricity_deg);
-    return mix(sharp, vec3f(grey), far * set.strength);
+    let far = smoothstep(given.radius_deg, given.radius_deg + 5.0, at.eccentricity_deg);
+    return mix(sharp, vec3f(grey), far * given.strength);
 }
 ";
 
@@ -37,7 +37,7 @@ fn the_head_is_what_studies_see() {
     assert_eq!((info.parameters[0].name.as_str(), &info.parameters[0].kind), ("radius_deg", &expected));
     // No head at all is allowed, and so is a function that uses nothing.
     let bare =
-        WgslProgram::compile("bare", "fn colour(at: Place, set: Parameters) -> vec3f { return vec3f(0.5); }", "b");
+        WgslProgram::compile("bare", "fn colour(at: Place, given: Parameters) -> vec3f { return vec3f(0.5); }", "b");
     assert!(bare.expect("no mistake").info().parameters.is_empty());
 }
 
@@ -62,10 +62,10 @@ fn each_mistake_is_at_its_own_line() {
         // The code.
         ("picture_at(at.px)", "picture_at(at.pixel)", 10, 31, "pixel"),
         ("let grey = dot(sharp,", "let grey = dto(sharp,", 11, 16, "dto"),
-        ("far * set.strength);", "far * set.strenth);", 13, 44, "strenth"),
-        ("return mix(sharp, vec3f(grey), far * set.strength);", "return grey;", 13, 12, "vec3"),
+        ("far * given.strength);", "far * given.strenth);", 13, 46, "strenth"),
+        ("return mix(sharp, vec3f(grey), far * given.strength);", "return grey;", 13, 12, "vec3"),
         ("fn colour(at", "fn color(at", 1, 1, "found none called colour"),
-        ("fn colour(at: Place, set: Parameters)", "fn colour(at: Place)", 9, 4, "found another declaration"),
+        ("fn colour(at: Place, given: Parameters)", "fn colour(at: Place)", 9, 4, "found another declaration"),
         ("-> vec3f {\n    let sharp", "-> vec4f {\n    let sharp", 13, 12, "vec"),
     ];
     for (old, new, line, column, words) in edits {
@@ -118,7 +118,7 @@ fn a_torn_text_never_panics() {
     assert!(mistakes(&huge)[0].2.contains("at most"));
     // Nested deeper than a parser's stack.
     let deep = format!(
-        "fn colour(at: Place, set: Parameters) -> vec3f {{ return vec3f({}1.0{}); }}",
+        "fn colour(at: Place, given: Parameters) -> vec3f {{ return vec3f({}1.0{}); }}",
         "(".repeat(5000),
         ")".repeat(5000)
     );
