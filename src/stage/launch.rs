@@ -168,6 +168,8 @@ pub fn run_in_window(mut request: Request, fullscreen: bool) -> Result<(PathBuf,
         display: plan.display.clone(),
         gaze: plan.gaze.clone(),
         registry: Arc::clone(&request.resources.registry),
+        // What an observer sees must not change under their eyes, and must be what the header says.
+        reloaded: if request.assignment.pilot { request.resources.wgsl_files() } else { Vec::new() },
     };
     // The folder is made inside the window, once its frames have been measured.
     let folder = Arc::new(Mutex::new(None));

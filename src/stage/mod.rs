@@ -10,6 +10,7 @@ pub mod launch;
 pub mod offscreen;
 pub mod painter;
 mod recent;
+pub mod reload;
 pub mod runner;
 pub mod screens;
 pub mod shown;

@@ -20,6 +20,7 @@ use stimuli::Registry;
 use stimuli::contract::{FrameCost, FrameInput, Renderer, Scene};
 use stimuli::display_pass::{Background, Disc, DisplayPass, linear_from_srgb8, overlay_texture};
 use stimuli::gpu::Gpu;
+use tuned::Tuned;
 
 /// The full-resolution renderer's name.
 const REFERENCE: &str = "reference";
@@ -113,40 +114,6 @@ impl OverlayKey {
 /// A scene's name and parameters.
 type SceneKey = (String, Parameters);
 
-/// A renderer and what it is set to.
-struct Tuned {
-    renderer: Box<dyn Renderer>,
-    parameters: Parameters,
-    /// Presentation and frame that it drew last.
-    drawn: Option<(u64, u64)>,
-}
-
-impl Tuned {
-    fn new(renderer: Box<dyn Renderer>, parameters: Parameters) -> Self {
-        Self { renderer, parameters, drawn: None }
-    }
-
-    /// Begins a presentation, unless the frame follows one of the same.
-    fn follow(&mut self, view: &View<'_>) {
-        let follows = self.drawn.is_some_and(|(seq, frame)| seq == view.presentation_seq && frame < view.frame_index);
-        if !follows {
-            self.renderer.begin();
-        }
-        self.drawn = Some((view.presentation_seq, view.frame_index));
-    }
-
-    fn tune(&mut self, parameters: Parameters) -> Result<(), LabError> {
-        if self.parameters != parameters {
-            self.renderer.set_parameters(&parameters).map_err(|errors| {
-                let all: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                LabError::BadInput(all.join("; "))
-            })?;
-            self.parameters = parameters;
-        }
-        Ok(())
-    }
-}
-
 /// Everything that is needed to draw.
 pub struct Painter {
     /// The device.
@@ -211,6 +178,22 @@ impl Painter {
         Ok(())
     }
 
+    /// Puts another version in the place of a renderer in WGSL, from its next frame on. A version that cannot be used
+    /// changes nothing.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn replace_wgsl(&mut self, name: &str, text: &str, file: &str) -> Result<(), LabError> {
+        let mut registry = Registry::clone(&self.registry);
+        registry.replace_wgsl(name, text, file)?;
+        if let Some(tuned) = self.tests.get_mut(name) {
+            let renderer = registry.make_renderer(&self.gpu, &self.display, name, &tuned.parameters)?;
+            *tuned = Tuned::new(renderer, tuned.parameters.clone());
+        }
+        self.registry = Arc::new(registry);
+        Ok(())
+    }
+
     /// Makes a condition's scene the one used last.
     fn load_scene(&mut self, condition: &Condition) -> Result<(), LabError> {
         let is_its = |key: &SceneKey| key.0 == condition.scene && key.1 == condition.scene_parameters;
@@ -260,7 +243,7 @@ impl Painter {
             self.render_stimulus(&View { presentation: &presentation, ..view.clone() })?;
         }
         // What was shown to nobody is no part of any presentation.
-        self.reference.iter_mut().chain(self.tests.values_mut()).for_each(|tuned| tuned.drawn = None);
+        self.reference.iter_mut().chain(self.tests.values_mut()).for_each(|tuned| tuned.forget());
         Ok(())
     }
 
@@ -477,6 +460,8 @@ impl std::fmt::Debug for Painter {
         f.debug_struct("Painter").field("display", &self.display).finish_non_exhaustive()
     }
 }
+
+mod tuned;
 
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@
 
 use super::frame_hash::PendingHash;
 use super::painter::{Painter, View};
+use super::reload::{Change, Reload};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::{GazeSource, Mouse};
@@ -14,6 +15,7 @@ use experiments::Display;
 use experiments::study::plan::GazePlan;
 use experiments::trial::{Input, PhaseName, Presentation, keys};
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stimuli::Registry;
@@ -44,6 +46,8 @@ pub struct WindowOptions {
     pub gaze: GazePlan,
     /// Scenes and renderers.
     pub registry: Arc<Registry>,
+    /// WGSL files of renderers, by name, whose new versions are shown at once; none but in a pilot.
+    pub reloaded: Vec<(String, PathBuf)>,
 }
 
 /// What the window found out before the session, for the header.
@@ -94,6 +98,7 @@ struct Stage {
     /// Frames into 8-bit RGBA, for hashes.
     hash_pass: DisplayPass,
     mouse: Mouse,
+    reload: Option<Reload>,
     /// Times at which measuring frames were presented.
     measuring: Vec<Instant>,
     running: Option<Running>,
@@ -336,6 +341,7 @@ impl Stage {
             painter,
             hash_pass,
             mouse: Mouse::new(&options.display),
+            reload: Reload::of(options.reloaded.clone()),
             measuring: Vec::new(),
             running: None,
         })
@@ -453,6 +459,15 @@ impl Stage {
             let finished = running.runner.session().finished();
             return Ok(if finished { Flow::Leave { finished } } else { Flow::Stay });
         };
+
+        // A pilot shows new versions of its renderers at once.
+        while let Some(Change { name, file, text }) = self.reload.as_ref().and_then(Reload::take) {
+            let file = file.display().to_string();
+            match self.painter.replace_wgsl(&name, &text, &file) {
+                Ok(()) => tracing::warn!("{file}: a new version is shown; what follows cannot be replayed"),
+                Err(error) => tracing::warn!("the last version is still shown:\n{error}"),
+            }
+        }
 
         // Draw, present, and note when.
         let cost = self.show(texture, &view)?;

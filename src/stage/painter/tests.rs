@@ -175,6 +175,41 @@ fn spheres_are_as_large_as_they_say_and_stand_on_the_display() {
     assert_eq!(painter.discs(&view, [1000, 600])[0].centre_px, [500.0, 300.0]);
 }
 
+/// A new version of a renderer in WGSL is drawn from the next frame on; one with mistakes or other parameters is refused and
+/// changes nothing.
+#[test]
+fn a_new_version_of_a_renderer_takes_its_place() {
+    let version = |more: &str, value: f64| {
+        format!(
+            "//! parameter dim [] 0..1 = 1: How dim.\n{more}fn colour(at: Place, given: Parameters) -> vec3f {{ return vec3f({value:.1} * given.dim); }}\n"
+        )
+    };
+    let mut registry = Registry::built_in();
+    registry.add_wgsl("mine", &version("", 0.5), "mine.wgsl").expect("no mistake");
+    let display = Display::named("demo-540p").expect("ships");
+    let gpu = Gpu::headless().expect("a device");
+    let mut painter = Painter::new(gpu, &Arc::new(registry), &display, [0.0; 2], wgpu::TextureFormat::Rgba8Unorm);
+    let mut condition = condition("noise", None, "ring");
+    condition.renderer = "mine".to_owned();
+    condition.renderer_parameters = Parameters::from([("dim".to_owned(), ParameterValue::Number(0.8))]);
+    let presentation = Presentation::stimulus(Alternative::Test);
+    let level = Level::new();
+    let grey =
+        |painter: &mut Painter| painter.picture(&frame(&presentation, &condition, &level)).expect("drawn").0[(9, 9)][0];
+    // sRGB of 0.4 and 0.8 of the peak, IEC 61966-2-1.
+    assert_eq!(grey(&mut painter), 170);
+    for (wrong, words) in [
+        (version("", 0.5).replace("given.dim", "given.dam"), "mine.wgsl:2:"),
+        (version("//! parameter more [] 0..1 = 1: Another.\n", 1.0), "the same parameters"),
+    ] {
+        let refused = painter.replace_wgsl("mine", &wrong, "mine.wgsl").expect_err("refused");
+        assert!(refused.to_string().contains(words), "{refused}");
+        assert_eq!(grey(&mut painter), 170);
+    }
+    painter.replace_wgsl("mine", &version("", 1.0), "mine.wgsl").expect("no mistake");
+    assert_eq!(grey(&mut painter), 231);
+}
+
 /// A presentation of a renderer that remembers is the same whatever was shown, warmed up or looked at aside before it, and
 /// none of its frames is taken for another.
 #[test]

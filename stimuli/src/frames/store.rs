@@ -280,3 +280,74 @@ fn some(list: &[String]) -> String {
         more => format!("{named} and {more} more like it"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::{Duration, Instant};
+
+    /// Six frames of two levels.
+    fn folder() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (level, name) in ["fine", "coarse"].into_iter().enumerate() {
+            for frame in 0..6_u8 {
+                let colour = image::Rgb([10 * frame, 100 * level as u8, 7]);
+                let file = folder.path().join(format!("{name}-{frame}.png"));
+                image::RgbImage::from_pixel(8, 4, colour).save(file).expect("writable");
+            }
+        }
+        let manifest = r#"{ "format": 1, "size_px": [8, 4], "fps": 25, "frames": 6, "end": "loop",
+            "reference": { "files": "fine-{frame}.png" },
+            "levels": [{ "name": "coarse", "files": "coarse-{frame}.png" }] }"#;
+        std::fs::write(folder.path().join(MANIFEST), manifest).expect("writable");
+        folder
+    }
+
+    fn decoded(store: &FrameStore) -> Vec<Key> {
+        let mut keys: Vec<Key> = store.shared.lock().decoded.keys().copied().collect();
+        keys.sort_unstable();
+        keys
+    }
+
+    #[test]
+    fn the_next_frames_are_decoded_before_they_are_asked_for() {
+        let folder = folder();
+        let store = FrameStore::open(folder.path()).expect("a folder of frames");
+        assert!(decoded(&store).is_empty(), "nothing is decoded before it is needed");
+        let first = store.picture(1, 4).expect("decoded");
+        assert_eq!(half::f16::from_bits(first.halves[1]).to_f32(), half::f16::from_f32(0.127_437_7).to_f32());
+        store.look_ahead(&[1], 4);
+        // Round the end: 5, 0, 1.
+        let began = Instant::now();
+        while decoded(&store) != [(1, 0), (1, 1), (1, 4), (1, 5)] {
+            assert!(began.elapsed() < Duration::from_secs(20), "{:?}", decoded(&store));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_frame_that_is_gone_is_an_error_and_no_wait() {
+        let folder = folder();
+        let store = FrameStore::open(folder.path()).expect("a folder of frames");
+        std::fs::remove_file(folder.path().join("fine-2.png")).expect("removable");
+        let error = store.picture(0, 2).err().expect("an error").to_string();
+        assert!(error.contains("fine-2.png: expected a file that can be read"), "{error}");
+        image::RgbImage::new(8, 5).save(folder.path().join("fine-3.png")).expect("writable");
+        let error = store.picture(0, 3).err().expect("an error").to_string();
+        assert!(error.contains("expected 8×4 pixels, found 8×5"), "{error}");
+    }
+
+    /// Of frames that are too large to keep many, those used longest ago go first.
+    #[test]
+    fn memory_is_bounded() {
+        let folder = folder();
+        let store = FrameStore::open(folder.path()).expect("a folder of frames");
+        let large = Frames { size_px: [16_384, 16_384], ..store.frames().clone() };
+        let mut state = State::default();
+        for frame in 0..100 {
+            state.keep((0, frame), Ok(Arc::new(Decoded { size: [1, 1], halves: vec![0; 4] })), &large);
+        }
+        assert_eq!(state.decoded.len(), 2 * (AHEAD as usize + 2));
+        assert!(state.decoded.contains_key(&(0, 99)) && !state.decoded.contains_key(&(0, 0)));
+    }
+}

@@ -47,6 +47,25 @@ impl Registry {
         self.add_renderer(info, Arc::new(move |gpu, display, set| program.make(gpu, display, set)))
     }
 
+    /// Puts another version in the place of a renderer in WGSL. It must have the same parameters, since studies have been
+    /// checked against them.
+    ///
+    /// # Errors
+    /// As [`Registry::add_wgsl`]; then nothing was changed.
+    pub fn replace_wgsl(&mut self, name: &str, text: &str, file: &str) -> Result<(), AddError> {
+        let program = WgslProgram::compile(name, text, file).map_err(Box::new)?;
+        let reason = |reason: &str| AddError::File { file: file.to_owned(), reason: reason.to_owned() };
+        let Some((info, make)) = self.renderers.iter_mut().find(|(info, _)| info.id == name) else {
+            return Err(reason("expected a renderer to put another version in the place of, found none"));
+        };
+        if info.parameters != program.info().parameters {
+            return Err(reason("expected the same parameters as in the version before, found others; start again"));
+        }
+        *info = program.info().clone();
+        *make = Arc::new(move |gpu, display, set| program.make(gpu, display, set));
+        Ok(())
+    }
+
     /// Adds a folder of frames that another engine rendered, as a scene and as a renderer of one name. Says which files
     /// it consists of, relative to the folder, and what its manifest says.
     ///

@@ -60,7 +60,7 @@ pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Res
         fine: picture(),
         coarse: picture(),
         output: pass::linear_texture(gpu, "template output", display.resolution_px()),
-        pipeline: pass::pipeline(gpu, "template", WGSL, "template", LINEAR_FORMAT),
+        pipeline: pass::pipeline(gpu, "template", WGSL, "fine_or_coarse", LINEAR_FORMAT),
         timer: GpuTimer::new(gpu),
     }))
 }

@@ -12,7 +12,7 @@ struct Template {
 @group(0) @binding(2) var coarse: texture_2d<f32>;
 
 @fragment
-fn template(@builtin(position) position: vec4f) -> @location(0) vec4f {
+fn fine_or_coarse(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let px = vec2i(floor(position.xy));
     let eccentricity = eccentricity_rad(u.geometry, plane_from_px(u.geometry, position.xy));
     let sharp = textureLoad(fine, px, 0).rgb;

@@ -7,9 +7,11 @@
 mod common;
 mod contract;
 mod falloff;
+mod frames;
 mod layers;
 mod oracle;
 mod ring;
 mod scenes;
 mod screen;
 mod spectrum;
+mod wgsl;

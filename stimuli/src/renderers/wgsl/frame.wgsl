@@ -118,9 +118,9 @@ fn sample_sigma(px: vec2f, sigma_px: f32) -> vec3f {
     let last = i32(textureNumLevels(picture)) - 1;
     let level = clamp(i32(floor(0.5 * log2((12.0 * wanted + 1.0) / 5.0) + 1e-5)), 0, max(last - 1, 0));
     let next = min(level + 1, last);
-    let from = parafovea_variance(level);
-    let to = parafovea_variance(next);
-    let share = select(0.0, clamp((wanted - from) / max(to - from, 1e-9), 0.0, 1.0), next > level);
+    let below = parafovea_variance(level);
+    let above = parafovea_variance(next);
+    let share = select(0.0, clamp((wanted - below) / max(above - below, 1e-9), 0.0, 1.0), next > level);
     return mix(parafovea_spline(px, level), parafovea_spline(px, next), share);
 }
 
@@ -141,5 +141,5 @@ fn parafovea_pixel(@builtin(position) position: vec4f) -> @location(0) vec4f {
     );
     // What is no number becomes black; light beyond the largest half float becomes that.
     let found = colour(place, parafovea_parameters);
-    return half_colour(min(max(found, vec3f(0.0)), vec3f(65504.0)));
+    return half_colour(select(vec3f(0.0), min(found, vec3f(65504.0)), found > vec3f(0.0)));
 }

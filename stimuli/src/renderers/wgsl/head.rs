@@ -13,7 +13,7 @@
 //! observers: `full`, `line M OMEGA0`, `gaussian RADIUS RATE` or `ring ECCENTRICITY WIDTH MAR`, each a parameter's name.
 //! Everything else is the sentence for users.
 
-use super::Faults;
+use super::check::Faults;
 use experiments::catalogue::{DetailLaw, ParameterKind, ParameterSchema};
 use std::ops::Range;
 use wgpu::naga;

@@ -62,17 +62,38 @@ fn each_mistake_is_at_its_own_line() {
         // The code.
         ("picture_at(at.px)", "picture_at(at.pixel)", 10, 31, "pixel"),
         ("let grey = dot(sharp,", "let grey = dto(sharp,", 11, 16, "dto"),
-        ("far * given.strength);", "far * given.strenth);", 13, 46, "strenth"),
-        ("return mix(sharp, vec3f(grey), far * given.strength);", "return grey;", 13, 12, "vec3"),
+        ("far * given.strength);", "far * given.strenth);", 13, 48, "strenth"),
+        ("return mix(sharp, vec3f(grey), far * given.strength);", "return grey;", 13, 12, "return"),
         ("fn colour(at", "fn color(at", 1, 1, "found none called colour"),
-        ("fn colour(at: Place, given: Parameters)", "fn colour(at: Place)", 9, 4, "found another declaration"),
-        ("-> vec3f {\n    let sharp", "-> vec4f {\n    let sharp", 13, 12, "vec"),
+        ("fn colour(at: Place, given: Parameters)", "fn colour(at: Place)", 12, 26, "given"),
+        ("-> vec3f {\n    let sharp", "-> vec4f {\n    let sharp", 13, 12, "return"),
     ];
     for (old, new, line, column, words) in edits {
         assert_eq!(GOOD.matches(old).count(), 1, "{old}");
         let found = mistakes(&GOOD.replace(old, new));
         println!("{new}: {found:?}");
         assert_eq!(found.len(), 1, "{new}: {found:?}");
+        assert!(found[0].2.contains(words), "{words:?} is not in {found:?}");
+        assert_eq!((found[0].0, found[0].1), (line, column), "{found:?}");
+    }
+}
+
+/// What only the frame around the function finds is said where the function stands.
+#[test]
+fn another_declaration_is_named() {
+    for (text, line, column, words) in [
+        ("\nfn colour(at: Place) -> vec3f { return vec3f(1.0); }", 2, 4, "found another declaration"),
+        ("fn colour(at: Place, given: vec3f) -> vec3f { return given; }", 1, 4, "found another declaration"),
+        ("fn colour(at: Place, given: Parameters) -> f32 { return 1.0; }", 1, 4, "found another declaration"),
+        (
+            "fn colour(at: Place, given: Parameters) -> vec3f { return vec3f(1.0); }\n/* no end",
+            1,
+            1,
+            "expected the end",
+        ),
+    ] {
+        let found = mistakes(text);
+        println!("{text}: {found:?}");
         assert!(found[0].2.contains(words), "{words:?} is not in {found:?}");
         assert_eq!((found[0].0, found[0].1), (line, column), "{found:?}");
     }
