@@ -73,6 +73,7 @@ fn a_session_is_drawn_with_the_text_it_was_run_with() {
     study["display"] = small_display();
     study["gaze"] = json!({});
     study["blocks"][0]["procedure"]["repetitions"] = json!(1);
+    study["blocks"][0]["procedure"]["levels"] = json!({ "blur_rate": [0.016, 0.03] });
     write_json(here, "small.json", &study);
     let session = run_study(here, "small.json", "pixels");
     let text = std::fs::read_to_string(here.join("quiet-periphery.wgsl")).unwrap();
@@ -227,9 +228,9 @@ fn frames_go_with_their_own_scene_and_fit_the_display() {
     };
     let said = checked(here, &entries("photo", "engine")).expect(2).err;
     assert!(said.contains("conditions.photo.scene: expected the scene \"engine\""), "{said}");
-    // 320 × 180 frames on 160 × 90 pixels.
+    // 192 × 108 frames on 160 × 90 pixels.
     let said = checked(here, &entries("engine", "engine")).expect(2).err;
-    assert!(said.contains("at most 160×90 pixels") && said.contains("found frames of 320×180"), "{said}");
+    assert!(said.contains("at most 160×90 pixels") && said.contains("found frames of 192×108"), "{said}");
 }
 
 #[test]

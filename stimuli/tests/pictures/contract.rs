@@ -86,7 +86,7 @@ fn checked_frame(setup: &mut Setup, frame: &FrameInput, label: &str) {
 #[test]
 fn every_scene_works_under_every_renderer() {
     let none = Parameters::new();
-    for display in [display([333, 217], [500.0, 330.0], 450.0), display([16, 16], [40.0, 30.0], 300.0)] {
+    for display in [display([167, 109], [500.0, 330.0], 450.0), display([16, 16], [40.0, 30.0], 300.0)] {
         for (scene, renderer) in every_pair() {
             let mut setup = Setup::of(registry(), &display, (&scene, &none), (&renderer, &none));
             for gaze_deg in [[0.0, 0.0], [28.0, -19.0], [-70.0, 45.0], [200.0, -1e4]] {

@@ -85,12 +85,7 @@ fn another_declaration_is_named() {
         ("\nfn colour(at: Place) -> vec3f { return vec3f(1.0); }", 2, 4, "found another declaration"),
         ("fn colour(at: Place, given: vec3f) -> vec3f { return given; }", 1, 4, "found another declaration"),
         ("fn colour(at: Place, given: Parameters) -> f32 { return 1.0; }", 1, 4, "found another declaration"),
-        (
-            "fn colour(at: Place, given: Parameters) -> vec3f { return vec3f(1.0); }\n/* no end",
-            1,
-            1,
-            "expected the end",
-        ),
+        ("fn colour(at: Place, given: Parameters) -> vec3f { return vec3f(1.0); }\n/* no end", 2, 1, "unterminated"),
     ] {
         let found = mistakes(text);
         println!("{text}: {found:?}");
