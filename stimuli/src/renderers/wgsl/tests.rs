@@ -63,7 +63,7 @@ fn each_mistake_is_at_its_own_line() {
         ("picture_at(at.px)", "picture_at(at.pixel)", 10, 31, "pixel"),
         ("let grey = dot(sharp,", "let grey = dto(sharp,", 11, 16, "dto"),
         ("far * given.strength);", "far * given.strenth);", 13, 48, "strenth"),
-        ("return mix(sharp, vec3f(grey), far * given.strength);", "return grey;", 13, 12, "return"),
+        ("return mix(sharp, vec3f(grey), far * given.strength);", "return grey;", 11, 16, "return"),
         ("fn colour(at", "fn color(at", 1, 1, "found none called colour"),
         ("fn colour(at: Place, given: Parameters)", "fn colour(at: Place)", 12, 26, "given"),
         ("-> vec3f {\n    let sharp", "-> vec4f {\n    let sharp", 13, 12, "return"),
