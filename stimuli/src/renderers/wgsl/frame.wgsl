@@ -140,6 +140,6 @@ fn parafovea_pixel(@builtin(position) position: vec4f) -> @location(0) vec4f {
         px_from_deg(parafovea_frame.gaze_deg),
     );
     // What is no number becomes black; light beyond the largest half float becomes that.
-    let found = colour(place, parafovea_parameters);
+    let found: vec3f = colour(place, parafovea_parameters);
     return half_colour(select(vec3f(0.0), min(found, vec3f(65504.0)), found > vec3f(0.0)));
 }

@@ -66,7 +66,7 @@ fn each_mistake_is_at_its_own_line() {
         ("return mix(sharp, vec3f(grey), far * given.strength);", "return grey;", 11, 16, "return"),
         ("fn colour(at", "fn color(at", 1, 1, "found none called colour"),
         ("fn colour(at: Place, given: Parameters)", "fn colour(at: Place)", 12, 26, "given"),
-        ("-> vec3f {\n    let sharp", "-> vec4f {\n    let sharp", 13, 12, "return"),
+        ("-> vec3f {\n    let sharp", "-> vec4f {\n    let sharp", 9, 4, "found another declaration"),
     ];
     for (old, new, line, column, words) in edits {
         assert_eq!(GOOD.matches(old).count(), 1, "{old}");
