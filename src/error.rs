@@ -11,6 +11,9 @@ pub enum LabError {
     /// A study or display file has mistakes: exit code 2. Shown with the lines at fault.
     #[error(transparent)]
     Mistakes(#[from] Box<experiments::study::Mistakes>),
+    /// Several files have mistakes, a study and what it brings along: exit code 2.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    ManyFiles(Vec<experiments::study::Mistakes>),
     /// What was asked could not be done: exit code 1.
     #[error("{0}")]
     Failed(String),
@@ -27,7 +30,7 @@ impl LabError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::BadInput(_) | Self::Mistakes(_) => 2,
+            Self::BadInput(_) | Self::Mistakes(_) | Self::ManyFiles(_) => 2,
             Self::Failed(_) => 1,
         }
     }
@@ -36,6 +39,15 @@ impl LabError {
 impl From<experiments::study::Mistakes> for LabError {
     fn from(mistakes: experiments::study::Mistakes) -> Self {
         Self::Mistakes(Box::new(mistakes))
+    }
+}
+
+impl From<stimuli::AddError> for LabError {
+    fn from(error: stimuli::AddError) -> Self {
+        match error {
+            stimuli::AddError::Mistakes(mistakes) => Self::Mistakes(mistakes),
+            other => Self::BadInput(other.to_string()),
+        }
     }
 }
 

@@ -12,6 +12,7 @@ mod mistakes;
 pub mod power;
 pub mod replay;
 pub mod report;
+pub mod resources;
 pub mod results;
 pub mod session;
 pub mod stage;

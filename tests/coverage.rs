@@ -46,6 +46,7 @@ fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
             sha256: sha256_hex(text.as_bytes()),
             text: text.to_owned(),
         },
+        files: Vec::new(),
         display: DisplayRecord::from(&plan.display),
         assignment: Default::default(),
         seed,

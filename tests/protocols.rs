@@ -36,6 +36,7 @@ fn session(path: &Path, observer: &str, study: &Value, record: Record) -> Sessio
             sha256: sha256_hex(text.as_bytes()),
             text,
         },
+        files: Vec::new(),
         display: DisplayRecord::from(&display),
         assignment: Default::default(),
         seed: 1,

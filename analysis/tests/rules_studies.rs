@@ -66,6 +66,7 @@ fn catalogue() -> Catalogue {
                 DetailLaw::Gaussian { radius: "radius_deg".to_owned(), rate: "rate".to_owned() },
             ),
         ],
+        ..Catalogue::default()
     }
 }
 

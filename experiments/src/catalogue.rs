@@ -16,6 +16,31 @@ pub struct Catalogue {
     pub scenes: Vec<SceneInfo>,
     /// Renderers, the full-resolution reference among them.
     pub renderers: Vec<RendererInfo>,
+    /// Folders of frames, each of them a scene and a renderer of one name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub captures: Vec<CaptureInfo>,
+    /// Names that a study gives to files which cannot be used.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<RefusedFile>,
+}
+
+/// What holds for a folder of frames, whatever is set: its renderer shows its own scene alone, on a display that is not
+/// smaller than the frames, since they are never scaled.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CaptureInfo {
+    /// The name of the scene and of the renderer.
+    pub id: String,
+    /// Width and height of the frames in pixels.
+    pub size_px: [u32; 2],
+}
+
+/// A file that a study names and that is no scene or renderer; what is wrong in it is said apart.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RefusedFile {
+    /// The name that the study gives it.
+    pub name: String,
+    /// What was expected and what was found.
+    pub message: String,
 }
 
 /// A scene, as studies see it.
@@ -55,7 +80,7 @@ pub struct RendererInfo {
 ///
 /// Checks ask it whether a display can show a level at all, simulated observers whether anybody could see it. Texts are
 /// names of the renderer's parameters.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "kebab-case")]
 pub enum DetailLaw {
     /// Nothing is removed.
@@ -85,6 +110,17 @@ pub enum DetailLaw {
         /// The rate k, degrees per degree.
         rate: String,
     },
+    /// Pictures of a few qualities: the coarsest that is finer than the line m e + omega0, or one of them everywhere.
+    Levels {
+        /// Which is shown: the name of a level, or anything else for what the line says.
+        show: String,
+        /// The slope m.
+        m: String,
+        /// The intercept omega0, degrees per cycle.
+        omega0: String,
+        /// Each level's name and detail limit in degrees per cycle, from the finest on; the first is the reference.
+        levels: Vec<(String, f64)>,
+    },
     /// It cannot be said.
     #[default]
     Unknown,
@@ -113,6 +149,18 @@ impl DetailLaw {
             Self::Gaussian { radius, rate } => {
                 let sigma_deg = number(rate)? * (eccentricity_deg - number(radius)?).max(0.0);
                 Some(sigma_deg / SIGMA_PER_MAR)
+            }
+            Self::Levels { show, m, omega0, levels } => {
+                let (_, coarser) = levels.split_first()?;
+                let line = number(m)? * eccentricity_deg + number(omega0)?;
+                match parameters.get(show)? {
+                    ParameterValue::Text(name) if levels.iter().any(|(level, _)| level == name) => {
+                        Some(coarser.iter().find(|(level, _)| level == name).map_or(0.0, |(_, mar_deg)| *mar_deg))
+                    }
+                    _ => {
+                        Some(coarser.iter().map(|(_, mar_deg)| *mar_deg).filter(|mar| *mar <= line).fold(0.0, f64::max))
+                    }
+                }
             }
             Self::Unknown => None,
         }
@@ -294,6 +342,31 @@ impl Catalogue {
     pub fn renderer(&self, id: &str) -> Option<&RendererInfo> {
         self.renderers.iter().find(|renderer| renderer.id == id)
     }
+
+    /// The folder of frames of this name.
+    #[must_use]
+    pub fn capture(&self, id: &str) -> Option<&CaptureInfo> {
+        self.captures.iter().find(|capture| capture.id == id)
+    }
+
+    /// Why a scene cannot be shown by a renderer on a display of `resolution_px`, as "expected …, found …"; nothing where
+    /// it can.
+    #[must_use]
+    pub fn mismatch(&self, scene: &str, renderer: &str, resolution_px: Option<[u32; 2]>) -> Option<String> {
+        if self.capture(renderer).is_some() && scene != renderer {
+            return Some(format!(
+                "expected the scene \"{renderer}\", whose frames the renderer \"{renderer}\" shows, found \"{scene}\""
+            ));
+        }
+        let (capture, [width, height]) = self.capture(scene).zip(resolution_px)?;
+        let [frame_width, frame_height] = capture.size_px;
+        (frame_width > width || frame_height > height).then(|| {
+            format!(
+                "expected frames of at most {width}×{height} pixels, the display's own, since they are never scaled, \
+                 found frames of {frame_width}×{frame_height}"
+            )
+        })
+    }
 }
 
 #[cfg(test)]
@@ -313,6 +386,27 @@ mod tests {
         let complete = complete_parameters(&schemas(), &given).expect("valid");
         assert_eq!(complete["mar_deg"], ParameterValue::Number(0.5));
         assert_eq!(complete["image"], ParameterValue::Text("coffee".to_owned()));
+    }
+
+    /// Levels of 0.1 and 0.4° per cycle on the line 0.02 e + 0.02: the first from 4° on, the second from 19°.
+    #[test]
+    fn levels_begin_where_the_line_reaches_them() {
+        let text = |text: &str| text.to_owned();
+        let law = DetailLaw::Levels {
+            show: text("show"),
+            m: text("m"),
+            omega0: text("omega0_deg"),
+            levels: vec![(text("reference"), 0.05), (text("half"), 0.1), (text("quarter"), 0.4)],
+        };
+        let shown = |show: &str, e: f64| {
+            let mut set = Parameters::from([(text("show"), ParameterValue::Text(text(show)))]);
+            set.insert(text("m"), ParameterValue::Number(0.02));
+            set.insert(text("omega0_deg"), ParameterValue::Number(0.02));
+            law.mar_deg(&set, e).expect("is known")
+        };
+        let along: Vec<f64> = [0.0, 3.9, 4.1, 18.9, 19.1, 60.0].map(|e| shown("foveated", e)).to_vec();
+        assert_eq!(along, [0.0, 0.0, 0.1, 0.1, 0.4, 0.4]);
+        assert_eq!([shown("reference", 60.0), shown("half", 0.0), shown("quarter", 0.0)], [0.0, 0.1, 0.4]);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::{analyze, inputs, print, replay, run, say};
 use crate::error::LabError;
 use crate::export;
 use crate::replay::Replay;
+use crate::resources::Resources;
 use crate::results::fit_sessions;
 use crate::results::over_observers::over_observers;
 use crate::results::traces::quality;
@@ -48,7 +49,8 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
 
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
     let (observer, data) = ("SIM".to_owned(), args.data.clone());
-    let request = Request { plan, assignment, study, observer, data, seed: args.seed, earlier: None };
+    let resources = Resources::built_in();
+    let request = Request { plan, assignment, study, resources, observer, data, seed: args.seed, earlier: None };
     let folder = run::offscreen_with_progress(request, &simulation, &OffscreenGaze::Simulated, !args.no_render)?;
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();
@@ -75,7 +77,7 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
         let replayed = Replay::open(session, plan)?;
         let frames = some_frames(&replayed);
         let dir = folder.with_extension("frames");
-        let outcome = replay::draw(&replayed, &frames, Some(&dir), true)?;
+        let outcome = replay::draw(&replayed, &Resources::built_in().registry, &frames, Some(&dir), true)?;
         if outcome.hashes_different > 0 {
             return Err(LabError::Failed(format!(
                 "{} of {} frames were not the same when drawn again",

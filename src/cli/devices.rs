@@ -2,6 +2,7 @@
 
 use super::{inputs, print, print_json};
 use crate::error::LabError;
+use crate::resources::Resources;
 use clap::Args;
 use experiments::Display;
 use experiments::display::NAMED_DISPLAYS;
@@ -11,13 +12,25 @@ use stimuli::gpu::Gpu;
 
 #[derive(Debug, Args)]
 pub(super) struct DevicesArgs {
+    /// A study, to list what it brings along as well.
+    study: Option<String>,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(args: &DevicesArgs) -> Result<(), LabError> {
-    let catalogue = inputs::catalogue();
+    let resources = match &args.study {
+        None => Resources::built_in(),
+        Some(study) => {
+            let study = inputs::study_file(study)?;
+            let resources = Resources::of(&study);
+            // A study with mistakes is not asked what it brings along.
+            resources.plan(&study.file, &study.text, None)?;
+            resources
+        }
+    };
+    let catalogue = resources.registry.catalogue();
     let adapter = match Gpu::headless() {
         Ok(gpu) => Ok(format!(
             "{} ({:?}, {} {})",

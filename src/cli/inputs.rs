@@ -1,10 +1,11 @@
 //! Reading what the user names: studies and displays, by file or by the name under which they ship.
 
 use crate::error::LabError;
+use crate::resources::Resources;
 use crate::stage::launch::StudyFile;
+use experiments::Display;
 use experiments::display::NAMED_DISPLAYS;
 use experiments::study::{self, Mistakes, Plan};
-use experiments::{Catalogue, Display};
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteDiagnostic, NamedSource, Report, Severity};
 use std::fmt::Write as _;
 use std::io::IsTerminal;
@@ -43,14 +44,15 @@ pub(super) fn study_file(name_or_file: &str) -> Result<StudyFile, LabError> {
     Ok(StudyFile { file: name_or_file.to_owned(), text: read_text(name_or_file)? })
 }
 
-/// The plan of a study on a display.
-pub(super) fn plan(study: &StudyFile, display: Option<&Display>) -> Result<Plan, LabError> {
-    Ok(study::parse_study(&study.file, &study.text, &catalogue(), display)?)
+/// The name that a study gives itself, if it can be read that far.
+pub(super) fn name(study: &StudyFile) -> Option<String> {
+    let text: serde_json::Value = serde_json::from_str(&study.text).ok()?;
+    Some(text.get("name")?.as_str()?.to_owned())
 }
 
-/// What studies may name.
-pub(super) fn catalogue() -> Catalogue {
-    stimuli::registry::catalogue()
+/// The plan of a study on a display.
+pub(super) fn plan(study: &StudyFile, display: Option<&Display>) -> Result<Plan, LabError> {
+    Resources::of(study).plan(&study.file, &study.text, display)
 }
 
 /// A text file, or one message that says why not.
@@ -72,10 +74,11 @@ pub(super) fn snippets(mistakes: &Mistakes) -> String {
             .list
             .iter()
             .map(|mistake| LabeledSpan::new_with_span(Some(mistake.message.clone()), mistake.span.clone()));
+        let language = if mistakes.file.ends_with(".wgsl") { "WGSL" } else { "JSON" };
         let diagnostic =
             MietteDiagnostic::new(format!("{count} {plural}")).with_severity(Severity::Error).with_labels(labels);
         let report = Report::from(diagnostic)
-            .with_source_code(NamedSource::new(&mistakes.file, mistakes.text.clone()).with_language("JSON"));
+            .with_source_code(NamedSource::new(&mistakes.file, mistakes.text.clone()).with_language(language));
         let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode());
         let mut drawn = String::new();
         if handler.render_report(&mut drawn, report.as_ref()).is_ok() {

@@ -17,6 +17,7 @@ mod predict;
 mod progress;
 mod render;
 mod replay;
+mod resources;
 mod run;
 mod together;
 
@@ -97,6 +98,7 @@ pub fn main() -> ExitCode {
 fn report(error: &LabError) {
     match error {
         LabError::Mistakes(mistakes) => say(&inputs::snippets(mistakes)),
+        LabError::ManyFiles(files) => files.iter().for_each(|mistakes| say(&inputs::snippets(mistakes))),
         other => say(&format!("parafovea: {other}")),
     }
 }

@@ -5,7 +5,7 @@ mod colours;
 mod files;
 mod heat_map;
 
-use super::{inputs, print, print_json};
+use super::{inputs, print, print_json, resources};
 use crate::error::LabError;
 use clap::Args;
 use experiments::Display;
@@ -17,19 +17,18 @@ use std::path::PathBuf;
 use stimuli::contract::{FrameCost, FrameInput, LayerCost, Renderer, Scene};
 use stimuli::display_pass::{Background, DisplayPass};
 use stimuli::gpu::Gpu;
-use stimuli::readback::ReadbackError;
+use stimuli::readback::{self, ReadbackError};
 use stimuli::tally::{Counts, Tallied, Tally};
-use stimuli::{readback, registry};
 
 /// Pixels of the largest picture: its linear light fills half a gigabyte.
 const MOST_PIXELS: u64 = 1 << 26;
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
-    /// The scene (see `parafovea devices`).
+    /// The scene (see `parafovea devices`), a picture, or a folder of frames.
     #[arg(long)]
     scene: String,
-    /// The renderer (see `parafovea devices`).
+    /// The renderer (see `parafovea devices`), a WGSL file, or a folder of frames.
     #[arg(long)]
     renderer: String,
     /// Where the eye looks, degrees from the display's centre, x right, y up.
@@ -60,6 +59,9 @@ pub(super) struct RenderArgs {
     /// Frames a second.
     #[arg(long, default_value_t = 60.0, value_parser = rate)]
     fps: f64,
+    /// Draw again whenever the scene's or renderer's file changes, until the program is ended.
+    #[arg(long)]
+    watch: bool,
     /// Print one JSON document.
     #[arg(long)]
     json: bool,
@@ -155,6 +157,13 @@ impl From<&LayerCost> for LayerRow {
 }
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), LabError> {
+    if args.watch {
+        return resources::watch(&resources::watchable(&[&args.scene, &args.renderer]), || draw(args));
+    }
+    draw(args)
+}
+
+fn draw(args: &RenderArgs) -> Result<(), LabError> {
     let display = display_of(args)?;
     let format = PictureFormat::of(&args.out)?;
     files::check_place("--out", &args.out)?;
@@ -172,10 +181,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), LabError> {
             None => of_renderer.insert(name.clone(), value.clone()),
         };
     }
+    let (registry, [scene_id, renderer_id]) = resources::registry_for(&args.scene, &args.renderer)?;
+    if let Some(mismatch) = registry.catalogue().mismatch(&scene_id, &renderer_id, Some(display.resolution_px())) {
+        return Err(LabError::BadInput(format!("--scene {}: {mismatch}", args.scene)));
+    }
     let gpu = Gpu::headless()?;
     gpu.set_blocking_timing(true);
-    let mut scene = registry::make_scene(&gpu, &display, &args.scene, &of_scene)?;
-    let mut renderer = registry::make_renderer(&gpu, &display, &args.renderer, &of_renderer)?;
+    let mut scene = registry.make_scene(&gpu, &display, &scene_id, &of_scene)?;
+    let mut renderer = registry.make_renderer(&gpu, &display, &renderer_id, &of_renderer)?;
     let cost = presented(&gpu, renderer.as_mut(), scene.as_mut(), args)?;
     let layers = renderer.layer_costs().iter().map(LayerRow::from).collect();
     write_picture(&gpu, renderer.as_ref(), scene.as_ref(), &display, format, args)?;

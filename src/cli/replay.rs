@@ -1,18 +1,20 @@
 //! `parafovea replay`: a session's frames again, from its log alone, as pictures or as a check.
 
-use super::{inputs, print, print_json, progress, say};
+use super::{print, print_json, progress, say};
 use crate::error::LabError;
 use crate::replay::Replay;
+use crate::resources::Resources;
 use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
 use crate::stage::Painter;
 use crate::stage::frame_hash::picture_hash;
 use crate::stage::painter::FrameKey;
 use clap::Args;
-use experiments::study;
 use experiments::trial::Presentation;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use stimuli::Registry;
 use stimuli::gpu::Gpu;
 
 #[derive(Debug, Args)]
@@ -88,7 +90,8 @@ fn replay(args: &ReplayArgs) -> Result<Outcome, LabError> {
     let session = SessionFolder::open(&args.session)?;
     session.notices().iter().for_each(|notice| say(notice));
     let file = format!("{} (study)", args.session.join("session.json").display());
-    let plan = study::parse_study(&file, &session.header.study.text, &inputs::catalogue(), Some(&session.display))?;
+    let resources = Resources::recorded(&session.header)?;
+    let plan = resources.plan(&file, &session.header.study.text, Some(&session.display))?;
     let plan =
         plan.assigned(&session.header.assignment).map_err(|error| LabError::BadInput(format!("{file}: {error}")))?;
     let replay = Replay::open(&session, plan)?;
@@ -100,19 +103,25 @@ fn replay(args: &ReplayArgs) -> Result<Outcome, LabError> {
                 || replay.view(frame).is_ok_and(|view| matches!(view.presentation, Presentation::Stimulus(_))))
     };
     let frames: Vec<&FrameRow> = replay.frames().iter().filter(wanted).take(args.limit.unwrap_or(usize::MAX)).collect();
-    draw(&replay, &frames, args.frames.as_deref(), args.verify)
+    draw(&replay, &resources.registry, &frames, args.frames.as_deref(), args.verify)
 }
 
 /// Draws frames again; used by `demo` as well.
 pub(super) fn draw(
     replay: &Replay,
+    registry: &Arc<Registry>,
     frames: &[&FrameRow],
     pictures: Option<&Path>,
     verify: bool,
 ) -> Result<Outcome, LabError> {
     let plan = replay.plan();
-    let mut painter =
-        Painter::new(Gpu::headless()?, &plan.display, plan.gaze.fixation_deg, wgpu::TextureFormat::Rgba8Unorm);
+    let mut painter = Painter::new(
+        Gpu::headless()?,
+        registry,
+        &plan.display,
+        plan.gaze.fixation_deg,
+        wgpu::TextureFormat::Rgba8Unorm,
+    );
     if let Some(dir) = pictures {
         std::fs::create_dir_all(dir).map_err(|error| LabError::io("make", dir, &error))?;
     }
@@ -125,8 +134,19 @@ pub(super) fn draw(
     };
     let bar = progress::bar(frames.len() as u64, "frames");
     let mut last: Option<(FrameKey, image::RgbaImage, String)> = None;
+    // The phase and number of the frame before.
+    let mut drawn: Option<(u64, u64)> = None;
     for frame in frames {
         let view = replay.view(frame)?;
+        // A picture that depends on those before it needs them drawn, wanted or not.
+        if painter.remembers(&view)? {
+            for earlier in replay.presentation(frame).iter().filter(|earlier| earlier.index < frame.index) {
+                if drawn.is_none_or(|(phase, index)| phase != frame.phase_seq || index < earlier.index) {
+                    painter.pass_over(&replay.view(earlier)?)?;
+                }
+            }
+        }
+        drawn = Some((frame.phase_seq, frame.index));
         let key = FrameKey::from(&view);
         let (picture, hash) = match last.take().filter(|(before, ..)| painter.same_picture(before, &key)) {
             Some((_, picture, hash)) => (picture, hash),
@@ -155,4 +175,67 @@ pub(super) fn draw(
     }
     bar.finish_and_clear();
     Ok(outcome)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stage::ghost;
+    use crate::stage::launch::{OffscreenGaze, Request, StudyFile, run_offscreen};
+    use experiments::design::assignment::Assignment;
+    use experiments::observers::Simulation;
+
+    const STUDY: &str = r#"{
+        "format": 1, "name": "ghosts", "title": "A study for tests",
+        "display": { "name": "small", "resolution_px": [64, 48], "size_mm": [100, 75], "distance_mm": 300 },
+        "conditions": {
+            "photo": { "scene": "photo", "renderer": "ghost", "fixation": { "kind": "free" } }
+        },
+        "blocks": [{
+            "name": "main", "condition": "photo",
+            "protocol": { "kind": "two-interval", "fixation_s": 0.1, "interval_s": 0.6, "gap_s": 0.1 },
+            "procedure": { "kind": "constant", "repetitions": 2, "levels": { "step_px": [1, 2] } }
+        }]
+    }"#;
+
+    /// With a renderer whose pictures depend on those before them, every frame is the same again, and so is one that is
+    /// asked for alone.
+    #[test]
+    fn what_remembers_is_replayed_from_the_start_of_its_presentation() {
+        let data = tempfile::tempdir().expect("a folder");
+        let resources = Resources::with(ghost::registry());
+        let plan = resources.plan("study", STUDY, None).expect("a study");
+        let request = Request {
+            plan: Arc::new(plan.clone()),
+            assignment: Assignment::default(),
+            study: StudyFile { file: "study".to_owned(), text: STUDY.to_owned() },
+            resources: resources.clone(),
+            observer: "P01".to_owned(),
+            data: data.path().to_owned(),
+            seed: 3,
+            earlier: None,
+        };
+        let observer = Simulation::parse("pixels").expect("valid").observer(3);
+        let folder = run_offscreen(request, observer, &OffscreenGaze::Simulated, true, |_| {}).expect("runs");
+        let session = SessionFolder::open(&folder).expect("a session");
+        let replay = Replay::open(&session, plan).expect("a log");
+
+        let all: Vec<&FrameRow> = replay.frames().iter().collect();
+        let outcome = draw(&replay, &resources.registry, &all, None, true).expect("drawn");
+        assert!(outcome.hashes_compared > 200, "{outcome:?}");
+        assert_eq!(outcome.hashes_different, 0, "{outcome:?}");
+
+        // Every 17th frame alone.
+        let some: Vec<&FrameRow> = replay.frames().iter().step_by(17).collect();
+        let outcome = draw(&replay, &resources.registry, &some, None, true).expect("drawn");
+        assert_eq!((outcome.hashes_compared, outcome.hashes_different), (some.len(), 0));
+        let is_ghost = |frame: &&&FrameRow| {
+            replay.view(frame).is_ok_and(|view| {
+                view.frame_index > 0
+                    && matches!(view.presentation, Presentation::Stimulus(shown)
+                        if shown.alternative == experiments::trial::Alternative::Test)
+            })
+        };
+        assert!(some.iter().filter(is_ghost).count() > 3, "the test needs frames in the middle of a presentation");
+    }
 }

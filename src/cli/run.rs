@@ -2,6 +2,7 @@
 
 use super::{inputs, print, progress, say};
 use crate::error::LabError;
+use crate::resources::Resources;
 use crate::stage::launch::{
     OffscreenGaze, Request, assignments, run_in_window, run_offscreen, sessions_of, take_unfinished,
 };
@@ -73,12 +74,18 @@ fn observer_code(text: &str) -> Result<String, String> {
 pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     let display = inputs::display(args.display.as_deref())?;
     let study = inputs::study_file(&args.study)?;
-    let whole = inputs::plan(&study, display.as_ref())?;
     let gaze = offscreen_gaze(args)?;
 
-    let mut sessions = sessions_of(&args.data, &whole.name);
+    // A study that has no name has mistakes, which are reported before any session is looked for.
+    let mut sessions = inputs::name(&study).map_or_else(Vec::new, |name| sessions_of(&args.data, &name));
     let before = assignments(&sessions);
     let unfinished = take_unfinished(&mut sessions, &study, &args.observer, args.pilot);
+    // What was begun goes on with the files that it was begun with.
+    let resources = match unfinished.as_ref().filter(|_| args.resume) {
+        Some(session) => Resources::recorded(&session.header)?,
+        None => Resources::of(&study),
+    };
+    let whole = resources.plan(&study.file, &study.text, display.as_ref())?;
     let earlier = match (unfinished, args.resume, args.fresh) {
         (Some(session), false, false) => {
             return Err(LabError::BadInput(format!(
@@ -117,6 +124,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
         plan: Arc::new(plan),
         assignment,
         study,
+        resources,
         observer: args.observer.clone(),
         data: args.data.clone(),
         seed,

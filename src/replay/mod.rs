@@ -19,6 +19,8 @@ pub struct Replay {
     plan: Arc<Plan>,
     phases: BTreeMap<u64, Shown>,
     frames: Vec<FrameRow>,
+    /// The first frame of each phase.
+    first_frames: BTreeMap<u64, u64>,
     gaze: Vec<GazeRow>,
     /// What a reader should know about the tables.
     pub notices: Vec<String>,
@@ -43,13 +45,26 @@ impl Replay {
             .into_iter()
             .filter_map(|(name, damage)| damage.map(|damage| format!("{name}: {damage}")))
             .collect();
-        Ok(Self { plan, phases, frames: frames.rows, gaze: gaze.rows, notices })
+        let mut first_frames = BTreeMap::new();
+        for frame in &frames.rows {
+            first_frames.entry(frame.phase_seq).or_insert(frame.index);
+        }
+        Ok(Self { plan, phases, frames: frames.rows, first_frames, gaze: gaze.rows, notices })
     }
 
     /// The logged frames.
     #[must_use]
     pub fn frames(&self) -> &[FrameRow] {
         &self.frames
+    }
+
+    /// Every logged frame of a frame's presentation, in order, itself among them.
+    #[must_use]
+    pub fn presentation(&self, frame: &FrameRow) -> &[FrameRow] {
+        // Phases have growing numbers.
+        let from = self.frames.partition_point(|other| other.phase_seq < frame.phase_seq);
+        let to = self.frames.partition_point(|other| other.phase_seq <= frame.phase_seq);
+        self.frames.get(from..to).unwrap_or_default()
     }
 
     /// The plan of the session.
@@ -81,7 +96,8 @@ impl Replay {
             gaze_deg: gaze.map(|(deg, _)| deg),
             gaze_motion_deg_s: gaze.map_or([0.0; 2], |(_, motion_deg_s)| motion_deg_s),
             animation_s: frame.animation_s,
-            frame_index: frame.index,
+            presentation: frame.phase_seq,
+            frame_index: frame.index.saturating_sub(self.first_frames.get(&frame.phase_seq).copied().unwrap_or(0)),
         };
         Ok(shown.view(&self.plan, moment))
     }

@@ -6,6 +6,7 @@
 use experiments::Display;
 use experiments::design::assignment::Assignment;
 use experiments::display::{Transfer, TransferNumbers};
+use experiments::study::plan::FileSource;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -24,6 +25,10 @@ pub struct Header {
     pub started: String,
     /// The study.
     pub study: StudyText,
+    /// Scenes and renderers that the study brings along in files, as they were. Left out where there are none, so that
+    /// the headers of studies without files are what they always were.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<FileRecord>,
     /// The display, with its geometry.
     pub display: DisplayRecord,
     /// What part of the study this session runs: group, sitting, row of Latin squares, pilot or not.
@@ -69,6 +74,34 @@ pub struct StudyText {
     pub sha256: String,
     /// The text, verbatim.
     pub text: String,
+}
+
+/// A scene or renderer of the study's own, as it was when the session began.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileRecord {
+    /// The name that the study gives it.
+    pub name: String,
+    /// What it is and where, as in the study.
+    pub source: FileSource,
+    /// The folder that the paths of `contents` start from.
+    pub folder: String,
+    /// The text of a WGSL file or of the manifest of frames, verbatim.
+    pub text: Option<String>,
+    /// Every file that it consists of.
+    pub contents: Vec<FileHash>,
+}
+
+/// One file by what it holds.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileHash {
+    /// Its path.
+    pub path: String,
+    /// Its length.
+    pub bytes: u64,
+    /// SHA-256, in hex.
+    pub sha256: String,
 }
 
 /// A display as plain numbers, in the form of a display file.

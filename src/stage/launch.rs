@@ -6,6 +6,7 @@ use super::runner::Tail;
 use super::{Painter, Runner, offscreen, window};
 use crate::error::LabError;
 use crate::gaze::{GazeSource, Mouse, Recorded, Simulated, SimulatedEye};
+use crate::resources::Resources;
 use crate::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
 use crate::session::{SessionFolder, SessionWriter};
 use experiments::Session;
@@ -36,6 +37,8 @@ pub struct Request {
     pub assignment: Assignment,
     /// Its text, for the header.
     pub study: StudyFile,
+    /// Scenes and renderers, those of the study among them.
+    pub resources: Resources,
     /// The observer's code.
     pub observer: String,
     /// Where sessions go.
@@ -79,7 +82,8 @@ pub fn run_offscreen(
         let gpu = Gpu::headless()?;
         // Nothing is late in virtual time, so each frame's own GPU time can be waited for.
         gpu.set_blocking_timing(true);
-        let mut painter = Painter::new(gpu, display, plan.gaze.fixation_deg, wgpu::TextureFormat::Rgba8Unorm);
+        let registry = &request.resources.registry;
+        let mut painter = Painter::new(gpu, registry, display, plan.gaze.fixation_deg, wgpu::TextureFormat::Rgba8Unorm);
         for cell in plan.blocks.iter().flat_map(|block| &block.cells) {
             painter.prepare(&cell.condition)?;
         }
@@ -163,6 +167,9 @@ pub fn run_in_window(mut request: Request, fullscreen: bool) -> Result<(PathBuf,
         fullscreen,
         display: plan.display.clone(),
         gaze: plan.gaze.clone(),
+        registry: Arc::clone(&request.resources.registry),
+        // What an observer sees must not change under their eyes, and must be what the header says.
+        reloaded: if request.assignment.pilot { request.resources.wgsl_files() } else { Vec::new() },
     };
     // The folder is made inside the window, once its frames have been measured.
     let folder = Arc::new(Mutex::new(None));
@@ -216,6 +223,7 @@ fn begin(
             sha256: sha256_hex(request.study.text.as_bytes()),
             text: request.study.text.clone(),
         },
+        files: request.resources.records()?,
         display: DisplayRecord::from(&plan.display),
         assignment: request.assignment.clone(),
         seed: request.seed,

@@ -4,10 +4,13 @@
 //! for both, and for replays.
 
 pub mod frame_hash;
+#[cfg(test)]
+pub(crate) mod ghost;
 pub mod launch;
 pub mod offscreen;
 pub mod painter;
 mod recent;
+pub mod reload;
 pub mod runner;
 pub mod screens;
 pub mod shown;

@@ -15,10 +15,12 @@ use experiments::study::plan::{Condition, Level};
 use experiments::trial::{Alternative, Presentation, Scale};
 use image::RgbaImage;
 use std::collections::BTreeMap;
+use std::sync::Arc;
+use stimuli::Registry;
 use stimuli::contract::{FrameCost, FrameInput, Renderer, Scene, SceneLight};
 use stimuli::display_pass::{Background, Disc, DisplayPass, linear_from_srgb8, overlay_texture};
 use stimuli::gpu::Gpu;
-use stimuli::registry;
+use tuned::Tuned;
 
 /// The full-resolution renderer's name.
 const REFERENCE: &str = "reference";
@@ -48,7 +50,9 @@ pub struct View<'a> {
     pub gaze_motion_deg_s: [f64; 2],
     /// How long the scene has been moving, seconds; 0 for what does not move.
     pub animation_s: f64,
-    /// Number of the frame within the session.
+    /// Tells presentations apart: frames of one share it, and nothing of one is carried into another.
+    pub presentation_seq: u64,
+    /// Frames since the presentation began.
     pub frame_index: u64,
 }
 
@@ -65,6 +69,7 @@ impl View<'_> {
             gaze_deg: [0.0; 2],
             gaze_motion_deg_s: [0.0; 2],
             animation_s: 0.0,
+            presentation_seq: 0,
             frame_index: 0,
         }
     }
@@ -109,32 +114,14 @@ impl OverlayKey {
 /// A scene's name and parameters.
 type SceneKey = (String, Parameters);
 
-/// A renderer and what it is set to.
-struct Tuned {
-    renderer: Box<dyn Renderer>,
-    parameters: Parameters,
-}
-
-impl Tuned {
-    fn tune(&mut self, parameters: Parameters) -> Result<&mut Box<dyn Renderer>, LabError> {
-        if self.parameters != parameters {
-            self.renderer.set_parameters(&parameters).map_err(|errors| {
-                let all: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                LabError::BadInput(all.join("; "))
-            })?;
-            self.parameters = parameters;
-        }
-        Ok(&mut self.renderer)
-    }
-}
-
 /// Everything that is needed to draw.
 pub struct Painter {
     /// The device.
     pub gpu: Gpu,
+    registry: Arc<Registry>,
     display: Display,
     pass: DisplayPass,
-    reference: Option<Box<dyn Renderer>>,
+    reference: Option<Tuned>,
     tests: BTreeMap<String, Tuned>,
     scenes: Recent<SceneKey, Box<dyn Scene>>,
     overlays: Recent<OverlayKey, wgpu::Texture>,
@@ -143,8 +130,15 @@ pub struct Painter {
 impl Painter {
     /// A painter for one display; frames go into targets of `format`. The fixation mark is made at once.
     #[must_use]
-    pub fn new(gpu: Gpu, display: &Display, fixation_deg: [f64; 2], format: wgpu::TextureFormat) -> Self {
+    pub fn new(
+        gpu: Gpu,
+        registry: &Arc<Registry>,
+        display: &Display,
+        fixation_deg: [f64; 2],
+        format: wgpu::TextureFormat,
+    ) -> Self {
         let mut painter = Self {
+            registry: Arc::clone(registry),
             display: display.clone(),
             pass: DisplayPass::for_display(&gpu, format, display),
             reference: None,
@@ -173,13 +167,30 @@ impl Painter {
     fn prepare_renderers(&mut self, condition: &Condition) -> Result<(), LabError> {
         let (gpu, display) = (&self.gpu, &self.display);
         if self.reference.is_none() {
-            self.reference = Some(registry::make_renderer(gpu, display, REFERENCE, &Parameters::new())?);
+            let renderer = self.registry.make_renderer(gpu, display, REFERENCE, &Parameters::new())?;
+            self.reference = Some(Tuned::new(renderer, Parameters::new()));
         }
         if !self.tests.contains_key(&condition.renderer) {
             let parameters = condition.renderer_parameters.clone();
-            let renderer = registry::make_renderer(gpu, display, &condition.renderer, &parameters)?;
-            self.tests.insert(condition.renderer.clone(), Tuned { renderer, parameters });
+            let renderer = self.registry.make_renderer(gpu, display, &condition.renderer, &parameters)?;
+            self.tests.insert(condition.renderer.clone(), Tuned::new(renderer, parameters));
         }
+        Ok(())
+    }
+
+    /// Puts another version in the place of a renderer in WGSL, from its next frame on. A version that cannot be used
+    /// changes nothing.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn replace_wgsl(&mut self, name: &str, text: &str, file: &str) -> Result<(), LabError> {
+        let mut registry = Registry::clone(&self.registry);
+        registry.replace_wgsl(name, text, file)?;
+        if let Some(tuned) = self.tests.get_mut(name) {
+            let renderer = registry.make_renderer(&self.gpu, &self.display, name, &tuned.parameters)?;
+            *tuned = Tuned::new(renderer, tuned.parameters.clone());
+        }
+        self.registry = Arc::new(registry);
         Ok(())
     }
 
@@ -188,7 +199,7 @@ impl Painter {
         let is_its = |key: &SceneKey| key.0 == condition.scene && key.1 == condition.scene_parameters;
         if !self.scenes.touch(is_its) {
             let (id, parameters) = (condition.scene.clone(), condition.scene_parameters.clone());
-            let scene = registry::make_scene(&self.gpu, &self.display, &id, &parameters)?;
+            let scene = self.registry.make_scene(&self.gpu, &self.display, &id, &parameters)?;
             self.scenes.insert((id, parameters), scene);
         }
         Ok(())
@@ -231,7 +242,29 @@ impl Painter {
             let presentation = Presentation::stimulus(alternative);
             self.render_stimulus(&View { presentation: &presentation, ..view.clone() })?;
         }
+        // What was shown to nobody is no part of any presentation.
+        self.reference.iter_mut().chain(self.tests.values_mut()).for_each(|tuned| tuned.forget());
         Ok(())
+    }
+
+    /// Whether a frame's picture depends on the frames of its presentation before it.
+    ///
+    /// # Errors
+    /// When the renderer cannot be made.
+    pub fn remembers(&mut self, view: &View<'_>) -> Result<bool, LabError> {
+        let (Presentation::Stimulus(_), Some(condition)) = (view.presentation, view.condition) else {
+            return Ok(false);
+        };
+        self.prepare_renderers(condition)?;
+        Ok(self.tuned(view)?.is_some_and(|tuned| tuned.renderer.remembers()))
+    }
+
+    /// Renders a frame that nobody looks at, for the ones after it.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn pass_over(&mut self, view: &View<'_>) -> Result<(), LabError> {
+        self.render_stimulus(view).map(|_| ())
     }
 
     /// Draws a frame again into a target of another format, for example to bring it back from the GPU. Only the display
@@ -328,10 +361,16 @@ impl Painter {
                 before.alternative == now.alternative
                     && a.condition == b.condition
                     && b.condition.as_ref().is_some_and(|condition| self.stands_still(condition, a, b))
-                    && (now.alternative == Alternative::Reference || (a.level == b.level && a.gaze_deg == b.gaze_deg))
+                    && (now.alternative == Alternative::Reference
+                        || (a.level == b.level && a.gaze_deg == b.gaze_deg && !self.test_remembers(b)))
             }
             (before, now) => before == now,
         }
+    }
+
+    fn test_remembers(&self, frame: &FrameKey) -> bool {
+        let tuned = frame.condition.as_ref().and_then(|condition| self.tests.get(&condition.renderer));
+        tuned.is_some_and(|tuned| tuned.renderer.remembers())
     }
 
     fn stands_still(&self, condition: &Condition, a: &FrameKey, b: &FrameKey) -> bool {
@@ -351,22 +390,32 @@ impl Painter {
             frame_index: view.frame_index,
             animation_s: view.animation_s,
         };
-        let renderer = match stimulus.alternative {
+        // Tuned first: a renderer that is set anew goes on with its presentation.
+        self.tuned(view)?;
+        let tuned = match stimulus.alternative {
             Alternative::Reference => self.reference.as_mut(),
-            Alternative::Test => {
-                let parameters = view
-                    .level
-                    .map_or_else(|| condition.renderer_parameters.clone(), |level| condition.parameters_at(level));
-                match self.tests.get_mut(&condition.renderer) {
-                    Some(tuned) => Some(tuned.tune(parameters)?),
-                    None => None,
-                }
-            }
+            Alternative::Test => self.tests.get_mut(&condition.renderer),
         };
-        let (Some(renderer), Some(scene)) = (renderer, self.scenes.newest_mut()) else {
+        let (Some(tuned), Some(scene)) = (tuned, self.scenes.newest_mut()) else {
             return Ok(None);
         };
-        Ok(Some(renderer.render(&self.gpu, scene.as_mut(), &frame)?))
+        tuned.follow(view);
+        Ok(Some(tuned.renderer.render(&self.gpu, scene.as_mut(), &frame)?))
+    }
+
+    /// A stimulus' renderer, set to the level that is shown.
+    fn tuned(&mut self, view: &View<'_>) -> Result<Option<&mut Tuned>, LabError> {
+        let (Presentation::Stimulus(stimulus), Some(condition)) = (view.presentation, view.condition) else {
+            return Ok(None);
+        };
+        if stimulus.alternative == Alternative::Reference {
+            return Ok(self.reference.as_mut());
+        }
+        let Some(tuned) = self.tests.get_mut(&condition.renderer) else { return Ok(None) };
+        let parameters =
+            view.level.map_or_else(|| condition.renderer_parameters.clone(), |level| condition.parameters_at(level));
+        tuned.tune(parameters)?;
+        Ok(Some(tuned))
     }
 
     /// How the light of a frame's scene is brought to the display.
@@ -381,7 +430,7 @@ impl Painter {
             return None;
         };
         match stimulus.alternative {
-            Alternative::Reference => self.reference.as_deref(),
+            Alternative::Reference => self.reference.as_ref().map(|tuned| tuned.renderer.as_ref()),
             Alternative::Test => self.tests.get(&condition.renderer).map(|tuned| tuned.renderer.as_ref()),
         }
     }
@@ -418,6 +467,8 @@ impl std::fmt::Debug for Painter {
         f.debug_struct("Painter").field("display", &self.display).finish_non_exhaustive()
     }
 }
+
+mod tuned;
 
 #[cfg(test)]
 mod tests;

@@ -25,6 +25,8 @@ pub struct Runner {
     last_event_s: f64,
     /// Number of the event that began the current phase.
     phase_seq: u64,
+    /// Number of the first frame of the phase.
+    first_frame: u64,
     /// What that phase presents.
     shown: Option<Shown>,
     watch: Watch,
@@ -104,6 +106,7 @@ impl Runner {
             seq: tail.events,
             last_event_s: tail.last_event_s,
             phase_seq: 0,
+            first_frame: tail.frames,
             watch,
             gaze: None,
             gaze_rows: tail.gaze_rows,
@@ -241,7 +244,8 @@ impl Runner {
             gaze_deg: self.gaze.map(|gaze| gaze.deg),
             gaze_motion_deg_s: self.gaze.map_or([0.0; 2], |gaze| gaze.motion_deg_s),
             animation_s: self.session.animation_s(t_s),
-            frame_index: self.frames,
+            presentation: self.phase_seq,
+            frame_index: self.frames - self.first_frame,
         };
         Some(self.shown.as_ref()?.view(self.session.plan(), moment))
     }
@@ -301,6 +305,7 @@ impl Runner {
             }
             if matches!(event, Event::PhaseBegan { .. }) {
                 self.phase_seq = self.seq;
+                self.first_frame = self.frames;
                 new_phase = true;
             }
             self.writer.event(Stamped { seq: self.seq, t_s: self.last_event_s, event })?;

@@ -37,7 +37,9 @@ pub struct Moment {
     pub gaze_motion_deg_s: [f64; 2],
     /// How long the scene has been moving, seconds; 0 for what does not move.
     pub animation_s: f64,
-    /// Number of the frame within the session.
+    /// Number of the phase's first event, which tells presentations apart.
+    pub presentation: u64,
+    /// Frames since the phase began.
     pub frame_index: u64,
 }
 
@@ -120,6 +122,7 @@ impl Shown {
             gaze_deg,
             gaze_motion_deg_s,
             animation_s: moment.animation_s,
+            presentation_seq: moment.presentation,
             frame_index: moment.frame_index,
         }
     }

@@ -6,6 +6,7 @@
 
 use super::frame_hash::PendingHash;
 use super::painter::{Painter, View};
+use super::reload::{Change, Reload};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::{GazeSource, Mouse};
@@ -14,8 +15,10 @@ use experiments::Display;
 use experiments::study::plan::GazePlan;
 use experiments::trial::{Input, PhaseName, Presentation, keys};
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use stimuli::Registry;
 use stimuli::display_pass::DisplayPass;
 use stimuli::gpu::Gpu;
 use winit::application::ApplicationHandler;
@@ -41,6 +44,10 @@ pub struct WindowOptions {
     pub display: Display,
     /// Where the fixation mark stands.
     pub gaze: GazePlan,
+    /// Scenes and renderers.
+    pub registry: Arc<Registry>,
+    /// WGSL files of renderers, by name, whose new versions are shown at once; none but in a pilot.
+    pub reloaded: Vec<(String, PathBuf)>,
 }
 
 /// What the window found out before the session, for the header.
@@ -91,6 +98,7 @@ struct Stage {
     /// Frames into 8-bit RGBA, for hashes.
     hash_pass: DisplayPass,
     mouse: Mouse,
+    reload: Option<Reload>,
     /// Times at which measuring frames were presented.
     measuring: Vec<Instant>,
     running: Option<Running>,
@@ -325,7 +333,7 @@ impl Stage {
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&gpu.device, &configuration);
         let hash_pass = DisplayPass::for_display(&gpu, wgpu::TextureFormat::Rgba8Unorm, &options.display);
-        let painter = Painter::new(gpu, &options.display, options.gaze.fixation_deg, format);
+        let painter = Painter::new(gpu, &options.registry, &options.display, options.gaze.fixation_deg, format);
         Ok(Self {
             window,
             surface,
@@ -333,6 +341,7 @@ impl Stage {
             painter,
             hash_pass,
             mouse: Mouse::new(&options.display),
+            reload: Reload::of(options.reloaded.clone()),
             measuring: Vec::new(),
             running: None,
         })
@@ -450,6 +459,15 @@ impl Stage {
             let finished = running.runner.session().finished();
             return Ok(if finished { Flow::Leave { finished } } else { Flow::Stay });
         };
+
+        // A pilot shows new versions of its renderers at once.
+        while let Some(Change { name, file, text }) = self.reload.as_ref().and_then(Reload::take) {
+            let file = file.display().to_string();
+            match self.painter.replace_wgsl(&name, &text, &file) {
+                Ok(()) => tracing::warn!("{file}: a new version is shown; what follows cannot be replayed"),
+                Err(error) => tracing::warn!("the last version is still shown:\n{error}"),
+            }
+        }
 
         // Draw, present, and note when.
         let cost = self.show(texture, &view)?;

@@ -316,6 +316,14 @@ pub enum MakeError {
         /// What the decoder said.
         reason: String,
     },
+    /// A file of the user's cannot be used.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// What was expected and found.
+        reason: String,
+    },
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
@@ -333,6 +341,14 @@ pub enum RenderError {
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// A picture that the frame needs can no longer be read.
+    #[error("{file}: {reason}")]
+    File {
+        /// The file.
+        file: String,
+        /// What was expected and found.
+        reason: String,
+    },
     /// The input of a frame is not finite.
     #[error("{what} of frame {frame_index} is not a finite number")]
     NotFinite {

@@ -2,13 +2,15 @@
 //!
 //! [`contract`] holds the two contracts, [`registry`] makes every scene and renderer by name and describes them as data for
 //! studies, [`gpu`] opens the device, [`display_pass`] and [`readback`] bring a linear picture to a display or to disk,
-//! and [`foveation`] is the mathematics without a GPU. This crate opens no window, reads no clock and writes no file.
+//! and [`foveation`] is the mathematics without a GPU. This crate opens no window, reads no clock and writes no
+//! file; it reads only the pictures that it is told to.
 
 #![cfg_attr(test, allow(clippy::print_stdout, reason = "tests print what they measured"))]
 
 pub mod contract;
 pub mod display_pass;
 pub mod foveation;
+mod frames;
 pub mod geometry;
 pub mod gpu;
 pub mod readback;
@@ -17,15 +19,15 @@ pub mod surfaces;
 pub mod tally;
 pub mod tone;
 
-#[allow(dead_code, reason = "being built")]
 mod mesh_scene;
+mod mips;
 mod parameters;
 mod pass;
+mod pictures;
 mod renderers;
 mod scenes;
 mod tiles;
 mod timing;
-#[allow(dead_code, reason = "being built")]
 mod world;
 
 pub use contract::{
@@ -35,5 +37,5 @@ pub use contract::{
 pub use display_pass::{Background, Disc, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};
 pub use gpu::{Gpu, GpuError};
-pub use registry::{catalogue, make_renderer, make_scene};
 pub use world::gltf::{GltfFile, Mistake, Notice, WorldError};
+pub use registry::{AddError, Registry, catalogue, make_renderer, make_scene};

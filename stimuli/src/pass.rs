@@ -267,6 +267,9 @@ mod tests {
             ("mesh scene, counted", crate::mesh_scene::raster::COUNTED_WGSL),
             ("mesh scene's shadow", crate::mesh_scene::shadow::WGSL),
             ("campbell_robson", crate::scenes::campbell_robson::WGSL),
+            ("centred", crate::scenes::centred::WGSL),
+            ("frames", crate::frames::WGSL),
+            ("mips", crate::mips::WGSL),
             ("noise", crate::scenes::noise::WGSL),
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
@@ -274,6 +277,7 @@ mod tests {
             ("falloff", crate::renderers::falloff::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
+            ("template", crate::renderers::template::WGSL),
             ("tally", crate::tally::WGSL),
         ];
         let capabilities = naga::valid::Capabilities::default() | naga::valid::Capabilities::EARLY_DEPTH_TEST;

@@ -95,7 +95,7 @@ impl Truth {
                     let [Some(e), Some(omega)] = condition.tested_at(level) else { return None };
                     Some(excess_over_line(model, e, omega, view))
                 }
-                DetailLaw::Line { .. } | DetailLaw::Gaussian { .. } => {
+                DetailLaw::Line { .. } | DetailLaw::Gaussian { .. } | DetailLaw::Levels { .. } => {
                     let parameters = condition.parameters_at(level);
                     let farthest_deg = farthest_deg(view);
                     let mut largest = f64::NEG_INFINITY;

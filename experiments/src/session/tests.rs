@@ -58,6 +58,7 @@ fn plan(gate: bool) -> Arc<Plan> {
             block("practice", true, vec![level(5.0, 1.0)], 2),
             block("main", false, vec![level(2.0, 0.1), level(5.0, 0.2), level(9.0, 0.4)], 4),
         ],
+        files: Vec::new(),
         participant: Vec::new(),
         groups: Vec::new(),
         sittings: None,

@@ -6,6 +6,7 @@
 
 pub mod describe;
 pub mod draft;
+pub mod frames;
 mod mistakes;
 pub mod plan;
 mod schema;
@@ -20,7 +21,7 @@ pub use describe::{Description, describe};
 pub(crate) use mistakes::suggestion;
 pub use mistakes::{Mistake, Mistakes};
 pub use plan::Plan;
-pub use schema::{display_schema, study_schema};
+pub use schema::{display_schema, frames_schema, study_schema};
 pub use shipped::{ShippedStudy, shipped};
 pub use validate::{
     DEFAULT_FEEDBACK_S, DEFAULT_GATE_GRACE_S, DEFAULT_PAUSE, DEFAULT_QUESTION, DEFAULT_THANKS, finest_mar_around,
@@ -42,6 +43,18 @@ use source::{Field, Source};
 /// comes alone.
 pub fn parse_study(file: &str, text: &str, catalogue: &Catalogue, display: Option<&Display>) -> Result<Plan, Mistakes> {
     parse(file, text, schema::study(), |draft, report| validate::study(&draft, catalogue, display, report))
+}
+
+/// The files that a study's text names, as far as it can be read: what to read before [`parse_study`], which says what is
+/// wrong with the rest.
+#[must_use]
+pub fn named_files(text: &str) -> Vec<plan::NamedFile> {
+    let (tree, _) = source::parse(text);
+    let source = Source::new(text, tree.as_ref());
+    let mut report = Report::new(&source);
+    let fitting = tree.map(|tree| structure::check(schema::study(), &tree, &mut report));
+    let draft = fitting.and_then(|fitting| serde_json::from_value::<draft::StudyDraft>(fitting).ok());
+    draft.map_or_else(Vec::new, |draft| validate::listed_files(&draft))
 }
 
 /// Reads and checks a display file: a name, a resolution in pixels, a size and a distance in millimetres.

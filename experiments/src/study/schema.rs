@@ -1,9 +1,10 @@
-//! The JSON Schemas of study and display files, generated from [`super::draft`].
+//! The JSON Schemas of study, display and frames files, generated from [`super::draft`].
 //!
 //! They are committed beside the shipped studies, so that editors complete and check a file while it is written; a
 //! test holds that the committed files are what this module generates.
 
 use super::draft::{DisplayDraft, StudyDraft};
+use super::frames::FramesDraft;
 use serde_json::{Map, Value};
 use std::sync::OnceLock;
 
@@ -17,6 +18,17 @@ pub fn study_schema() -> Value {
 #[must_use]
 pub fn display_schema() -> Value {
     display().clone()
+}
+
+/// The JSON Schema (draft 2020-12) of the manifest of a folder of frames.
+#[must_use]
+pub fn frames_schema() -> Value {
+    frames().clone()
+}
+
+pub(super) fn frames() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| strict(schemars::schema_for!(FramesDraft).to_value()))
 }
 
 pub(super) fn study() -> &'static Value {

@@ -1,12 +1,13 @@
 //! Pictures must not depend on what was shown before, however little of it is kept.
 
 use super::*;
+use crate::stage::ghost;
 use experiments::catalogue::{DetailLaw, ParameterValue};
 use experiments::study::plan::{Fixation, FoveationCentre};
 use experiments::trial::Stimulus;
 
 fn condition(scene: &str, parameter: Option<(&str, &str)>, renderer: &str) -> Condition {
-    let catalogue = registry::catalogue();
+    let catalogue = ghost::registry().catalogue();
     let complete = |schemas: &[experiments::catalogue::ParameterSchema], given: Parameters| {
         experiments::catalogue::complete_parameters(schemas, &given).expect("valid")
     };
@@ -27,7 +28,8 @@ fn condition(scene: &str, parameter: Option<(&str, &str)>, renderer: &str) -> Co
 
 fn painter() -> Painter {
     let display = Display::named("demo-540p").expect("ships");
-    Painter::new(Gpu::headless().expect("a device"), &display, [0.0; 2], wgpu::TextureFormat::Rgba8Unorm)
+    let registry = ghost::registry();
+    Painter::new(Gpu::headless().expect("a device"), &registry, &display, [0.0; 2], wgpu::TextureFormat::Rgba8Unorm)
 }
 
 fn frame<'a>(presentation: &'a Presentation, condition: &'a Condition, level: &'a Level) -> View<'a> {
@@ -171,4 +173,82 @@ fn spheres_are_as_large_as_they_say_and_stand_on_the_display() {
     assert_eq!(found[0].centre_px, [480.0, 270.0]);
     // In a larger window the display stands in the middle.
     assert_eq!(painter.discs(&view, [1000, 600])[0].centre_px, [500.0, 300.0]);
+}
+
+/// A new version of a renderer in WGSL is drawn from the next frame on; one with mistakes or other parameters is refused and
+/// changes nothing.
+#[test]
+fn a_new_version_of_a_renderer_takes_its_place() {
+    let version = |more: &str, value: f64| {
+        format!(
+            "//! parameter dim [] 0..1 = 1: How dim.\n{more}fn colour(at: Place, given: Parameters) -> vec3f {{ return vec3f({value:.1} * given.dim); }}\n"
+        )
+    };
+    let mut registry = Registry::built_in();
+    registry.add_wgsl("mine", &version("", 0.5), "mine.wgsl").expect("no mistake");
+    let display = Display::named("demo-540p").expect("ships");
+    let gpu = Gpu::headless().expect("a device");
+    let mut painter = Painter::new(gpu, &Arc::new(registry), &display, [0.0; 2], wgpu::TextureFormat::Rgba8Unorm);
+    let mut condition = condition("noise", None, "ring");
+    condition.renderer = "mine".to_owned();
+    condition.renderer_parameters = Parameters::from([("dim".to_owned(), ParameterValue::Number(0.8))]);
+    let presentation = Presentation::stimulus(Alternative::Test);
+    let level = Level::new();
+    let grey =
+        |painter: &mut Painter| painter.picture(&frame(&presentation, &condition, &level)).expect("drawn").0[(9, 9)][0];
+    // sRGB of 0.4 and 0.8 of the peak, IEC 61966-2-1.
+    assert_eq!(grey(&mut painter), 170);
+    for (wrong, words) in [
+        (version("", 0.5).replace("given.dim", "given.dam"), "mine.wgsl:2:"),
+        (version("//! parameter more [] 0..1 = 1: Another.\n", 1.0), "the same parameters"),
+    ] {
+        let refused = painter.replace_wgsl("mine", &wrong, "mine.wgsl").expect_err("refused");
+        assert!(refused.to_string().contains(words), "{refused}");
+        assert_eq!(grey(&mut painter), 170);
+    }
+    painter.replace_wgsl("mine", &version("", 1.0), "mine.wgsl").expect("no mistake");
+    assert_eq!(grey(&mut painter), 231);
+}
+
+/// A presentation of a renderer that remembers is the same whatever was shown, warmed up or looked at aside before it, and
+/// none of its frames is taken for another.
+#[test]
+fn a_presentation_begins_anew() {
+    let mut painter = painter();
+    let condition = condition("photo", None, "ghost");
+    let level = Level::from([("step_px".to_owned(), 2.0)]);
+    let presentation = Presentation::stimulus(Alternative::Test);
+    let at = |presentation_seq, frame_index| View {
+        presentation_seq,
+        frame_index,
+        ..frame(&presentation, &condition, &level)
+    };
+    let shown = |painter: &mut Painter, seq, frames: std::ops::Range<u64>| -> Vec<String> {
+        let one = |frame| {
+            let (picture, _) = painter.picture(&at(seq, frame)).expect("drawn");
+            crate::stage::frame_hash::picture_hash(picture.as_raw())
+        };
+        frames.map(one).collect()
+    };
+    let first = shown(&mut painter, 7, 0..4);
+    let mut distinct = first.clone();
+    distinct.dedup();
+    assert_eq!(distinct.len(), 4, "every frame is another picture");
+    assert!(painter.remembers(&at(7, 3)).expect("made"));
+    assert!(!painter.same_picture(&FrameKey::from(&at(7, 3)), &FrameKey::from(&at(7, 4))));
+
+    assert_eq!(shown(&mut painter, 8, 0..4), first, "another presentation");
+    let fixation = Presentation::Fixation;
+    painter.warm_up(&View { presentation: &fixation, ..at(9, 0) }).expect("drawn");
+    assert_eq!(shown(&mut painter, 9, 0..4), first, "after a warm-up under its own number");
+    // An observer who looks at pixels sees the first picture before it is shown.
+    painter.reference_picture(&at(10, 0)).expect("drawn");
+    painter.picture(&at(10, 0)).expect("drawn");
+    assert_eq!(shown(&mut painter, 10, 0..4), first, "after a look aside");
+    // Passing over frames is as good as showing them.
+    painter.pass_over(&at(11, 0)).expect("drawn");
+    painter.pass_over(&at(11, 1)).expect("drawn");
+    assert_eq!(shown(&mut painter, 11, 2..4), first[2..]);
+    // And leaving them out is not, or this test would say nothing.
+    assert_ne!(shown(&mut painter, 12, 3..4), first[3..]);
 }

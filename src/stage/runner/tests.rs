@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::replay::Replay;
+use crate::resources::Resources;
 use crate::session::{SessionFolder, names};
 use crate::stage::Painter;
 use crate::stage::frame_hash::picture_hash;
@@ -53,6 +54,7 @@ fn run(plan: &Plan, render: bool) -> (tempfile::TempDir, SessionFolder) {
         observer: "P01".to_owned(),
         data: data.path().to_owned(),
         seed: 5,
+        resources: Resources::built_in(),
         earlier: None,
     };
     let folder = run_offscreen(request, observer, &OffscreenGaze::Simulated, render, |_| {}).expect("runs");
@@ -65,7 +67,9 @@ fn run(plan: &Plan, render: bool) -> (tempfile::TempDir, SessionFolder) {
 fn different_when_replayed(session: &SessionFolder, plan: &Plan) -> (usize, usize) {
     let replay = Replay::open(session, plan.clone()).expect("a log");
     let gpu = Gpu::headless().expect("a device");
-    let mut painter = Painter::new(gpu, &plan.display, plan.gaze.fixation_deg, wgpu::TextureFormat::Rgba8Unorm);
+    let registry = Resources::built_in().registry;
+    let mut painter =
+        Painter::new(gpu, &registry, &plan.display, plan.gaze.fixation_deg, wgpu::TextureFormat::Rgba8Unorm);
     let hashed: Vec<&FrameRow> = replay.frames().iter().filter(|frame| frame.hash.is_some()).collect();
     let different = hashed.iter().filter(|frame| {
         let (picture, _) = painter.picture(&replay.view(frame).expect("a frame")).expect("drawn");

@@ -4,7 +4,9 @@ pub(crate) mod atrium;
 pub(crate) mod campbell_robson;
 mod coloured;
 pub(crate) mod engine_room;
+pub(crate) mod environment;
 pub(crate) mod grid_world;
+pub(crate) mod centred;
 pub(crate) mod noise;
 pub(crate) mod orbit;
 pub(crate) mod parts;
@@ -15,6 +17,7 @@ pub(crate) mod voxel_town;
 #[cfg(test)]
 mod worlds_tests;
 pub(crate) mod zone_plate;
+pub(crate) mod picture;
 
 use crate::contract::{DrawCost, DrawRequest, View};
 use crate::gpu::Gpu;

@@ -2,8 +2,9 @@
 
 use experiments::catalogue::{ParameterValue, Parameters};
 use experiments::display::Display;
+use std::path::Path;
 use std::sync::OnceLock;
-use stimuli::{FrameCost, FrameInput, Gpu, Renderer, Scene, make_renderer, make_scene, readback};
+use stimuli::{FrameCost, FrameInput, Gpu, Registry, Renderer, Scene, readback};
 
 /// The device that all tests share.
 pub(crate) fn gpu() -> &'static Gpu {
@@ -40,10 +41,20 @@ pub(crate) struct Setup {
 
 impl Setup {
     pub(crate) fn new(display: &Display, scene: (&str, &Parameters), renderer: (&str, &Parameters)) -> Self {
+        Self::of(&Registry::built_in(), display, scene, renderer)
+    }
+
+    /// Of what a registry holds.
+    pub(crate) fn of(
+        registry: &Registry,
+        display: &Display,
+        scene: (&str, &Parameters),
+        renderer: (&str, &Parameters),
+    ) -> Self {
         Self {
             display: display.clone(),
-            scene: make_scene(gpu(), display, scene.0, scene.1).unwrap(),
-            renderer: make_renderer(gpu(), display, renderer.0, renderer.1).unwrap(),
+            scene: registry.make_scene(gpu(), display, scene.0, scene.1).unwrap(),
+            renderer: registry.make_renderer(gpu(), display, renderer.0, renderer.1).unwrap(),
         }
     }
 
@@ -72,4 +83,37 @@ pub(crate) fn pixel_centre(display: &Display, index: usize) -> [f64; 2] {
 pub(crate) fn eccentricities(display: &Display, gaze_deg: [f64; 2]) -> Vec<f64> {
     let pixels = display.pixels() as usize;
     (0..pixels).map(|i| display.eccentricity_deg(gaze_deg, display.deg_from_px(pixel_centre(display, i)))).collect()
+}
+
+/// Writes a folder of frames with its manifest: `colour(level, frame, x, y)` in sRGB values, level 0 is the reference.
+pub(crate) fn write_frames(
+    folder: &Path,
+    size: [u32; 2],
+    frames: u32,
+    mars_deg: Option<&[f64]>,
+    levels: usize,
+    colour: impl Fn(usize, u32, u32, u32) -> [u8; 3],
+) {
+    let name = |level: usize| if level == 0 { "reference".to_owned() } else { format!("level-{level}") };
+    let entry = |level: usize| {
+        let mar = mars_deg.map_or_else(String::new, |mars| format!(", \"mar_deg\": {}", mars[level]));
+        format!("\"files\": \"{}/{{frame:03}}.png\"{mar}", name(level))
+    };
+    for level in 0..levels {
+        std::fs::create_dir_all(folder.join(name(level))).unwrap();
+        for frame in 0..frames {
+            let picture = image::RgbImage::from_fn(size[0], size[1], |x, y| image::Rgb(colour(level, frame, x, y)));
+            picture.save(folder.join(name(level)).join(format!("{frame:03}.png"))).unwrap();
+        }
+    }
+    let coarser: Vec<String> =
+        (1..levels).map(|level| format!("{{ \"name\": \"{}\", {} }}", name(level), entry(level))).collect();
+    let manifest = format!(
+        "{{ \"format\": 1, \"size_px\": [{}, {}], \"fps\": 10, \"frames\": {frames},\n\"reference\": {{ {} }},\n\"levels\": [\n{}\n] }}\n",
+        size[0],
+        size[1],
+        entry(0),
+        coarser.join(",\n")
+    );
+    std::fs::write(folder.join("manifest.json"), manifest).unwrap();
 }

@@ -8,7 +8,7 @@ mod procedure;
 mod protocol;
 mod text;
 
-use super::plan::{BlockPlan, Plan};
+use super::plan::{BlockPlan, NamedFile, Plan};
 use super::validate::finest_mar_around;
 use crate::display::Display;
 use serde::Serialize;
@@ -41,6 +41,9 @@ pub struct Description {
     pub participant: Vec<String>,
     /// Pages of instructions before the first block.
     pub instruction_pages: usize,
+    /// Scenes and renderers that the study brings along.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<NamedFile>,
     /// The blocks in order.
     pub blocks: Vec<BlockDescription>,
     /// All blocks together.
@@ -205,6 +208,7 @@ pub fn describe(plan: &Plan) -> Description {
         consent: plan.texts.consent.is_some(),
         participant: plan.participant.iter().map(|item| item.name.clone()).collect(),
         instruction_pages: plan.texts.instructions.len(),
+        files: plan.files.clone(),
         total: total(blocks.iter()),
         groups: design::groups(plan, &blocks),
         sittings: design::sittings(plan),

@@ -38,6 +38,9 @@ impl fmt::Display for Description {
         if !first.is_empty() {
             wrapped(f, "First     ", &first.join(", then "))?;
         }
+        for file in &self.files {
+            wrapped(f, "File      ", &format!("{}: {} from {}", file.name, file.source.what(), file.source.path()))?;
+        }
         for (index, block) in self.blocks.iter().enumerate() {
             writeln!(
                 f,

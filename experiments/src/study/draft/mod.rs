@@ -5,11 +5,13 @@
 //! comments become the schema's descriptions, which editors show. [`super::validate`] makes a plan of them.
 
 mod design;
+mod files;
 mod form;
 mod procedure;
 mod protocol;
 
 pub use design::*;
+pub use files::*;
 pub use form::*;
 pub use procedure::*;
 pub use protocol::*;
@@ -59,6 +61,10 @@ pub struct StudyDraft {
     pub texts: Option<TextsDraft>,
     /// What is asked about the participant before anything else; of several sittings, in the first.
     pub participant: Option<Vec<Option<ItemDraft>>>,
+    /// Renderers from files beside the study, by the names that conditions use.
+    pub renderers: Option<BTreeMap<String, Option<RendererFileDraft>>>,
+    /// Scenes from files beside the study, by the names that conditions use.
+    pub scenes: Option<BTreeMap<String, Option<SceneFileDraft>>>,
     /// What is shown, by name.
     #[schemars(required)]
     pub conditions: Option<BTreeMap<String, Option<ConditionDraft>>>,

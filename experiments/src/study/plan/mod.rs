@@ -4,11 +4,13 @@
 //! [`super::validate`] is the only way from one to the other.
 
 mod design;
+mod files;
 mod form;
 mod procedure;
 mod protocol;
 
 pub use design::*;
+pub use files::*;
 pub use form::*;
 pub use procedure::*;
 pub use protocol::*;
@@ -41,6 +43,8 @@ pub struct Plan {
     pub texts: Texts,
     /// What is asked about the participant before anything else.
     pub participant: Vec<Item>,
+    /// Scenes and renderers that the study brings along.
+    pub files: Vec<NamedFile>,
     /// The blocks, in the order in which they run.
     pub blocks: Vec<BlockPlan>,
     /// The groups of a between-subject design; empty where every observer runs every block.

@@ -187,3 +187,16 @@ pub(super) fn collect_pointers(value: &serde_json::Value, here: String, pointers
     }
     pointers.push(here);
 }
+
+/// The files of a study are known before it is checked, however much else is wrong with it.
+#[test]
+fn files_are_named_whatever_else_is_wrong() {
+    let text = r#"{ "renderers": { "mine": { "wgsl": "a.wgsl" }, "worse": { "wgsl": 7 }, "frames": { "frames": "dir" } },
+        "scenes": { "room": { "gltf": "r.glb", "environment": "e.exr" }, "sky": { "environment": "s.hdr" }, "none": {} },
+        "blocks": "none", "colour": 1 }"#;
+    let names: Vec<String> = crate::study::named_files(text).into_iter().map(|file| file.name).collect();
+    assert_eq!(names, ["frames", "mine", "room", "sky"]);
+    assert!(crate::study::named_files("{").is_empty());
+    assert!(crate::study::named_files("").is_empty());
+    assert!(crate::study::named_files(STUDY).is_empty());
+}

@@ -59,6 +59,7 @@ pub(crate) fn catalogue() -> Catalogue {
                 ],
             ),
         ],
+        ..Catalogue::default()
     }
 }
 

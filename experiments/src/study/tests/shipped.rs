@@ -3,7 +3,7 @@
 use super::catalogue;
 use crate::study::draft::StudyDraft;
 use crate::study::plan::ProcedurePlan;
-use crate::study::{describe, display_schema, shipped, study_schema};
+use crate::study::{describe, display_schema, frames_schema, shipped, study_schema};
 use std::path::PathBuf;
 
 /// Set this to write the schema files anew: `UPDATE_SCHEMA=1 cargo test -p experiments schema`.
@@ -15,7 +15,12 @@ fn studies() -> PathBuf {
 
 #[test]
 fn the_committed_schemas_are_the_generated_ones() {
-    for (file, schema) in [("study.schema.json", study_schema()), ("display.schema.json", display_schema())] {
+    let schemas = [
+        ("study.schema.json", study_schema()),
+        ("display.schema.json", display_schema()),
+        ("frames.schema.json", frames_schema()),
+    ];
+    for (file, schema) in schemas {
         let path = studies().join(file);
         let generated = serde_json::to_string_pretty(&schema).expect("a schema") + "\n";
         if std::env::var_os(UPDATE).is_some() {
@@ -34,6 +39,7 @@ fn the_committed_schemas_are_the_generated_ones() {
 fn the_schemas_are_schemas_and_accept_what_ships() {
     assert!(jsonschema::meta::is_valid(&study_schema()));
     assert!(jsonschema::meta::is_valid(&display_schema()));
+    assert!(jsonschema::meta::is_valid(&frames_schema()));
     let validator = jsonschema::validator_for(&study_schema()).expect("a schema");
     for study in shipped() {
         let value = serde_json::from_str(study.json).expect("JSON");
@@ -52,7 +58,9 @@ fn every_file_of_the_folder_ships_under_its_name() {
         assert!(!study.about.is_empty() && draft.about.is_some_and(|about| !about.is_empty()));
     }
     let files = std::fs::read_dir(studies()).expect("the folder").filter_map(Result::ok);
-    let count = files.filter(|f| !f.file_name().to_string_lossy().ends_with(".schema.json")).count();
+    // What is in folders is there to start from and is not compiled in.
+    let is_study = |name: &str| name.ends_with(".json") && !name.ends_with(".schema.json");
+    let count = files.filter(|f| is_study(&f.file_name().to_string_lossy())).count();
     assert_eq!(count, shipped().len());
 }
 

@@ -92,7 +92,7 @@ fn levels_can_be_shown(block: &BlockPlan, geometry: Geometry<'_>, field: &Field,
 /// Whether a level removes detail that the display could have shown; nothing if the renderer cannot say, or says it by
 /// ring, which the procedure's own checks hold against the display.
 fn differs(condition: &Condition, level: &Level, geometry: Geometry<'_>) -> Option<bool> {
-    if !matches!(condition.detail, DetailLaw::Line { .. } | DetailLaw::Gaussian { .. }) {
+    if !matches!(condition.detail, DetailLaw::Line { .. } | DetailLaw::Gaussian { .. } | DetailLaw::Levels { .. }) {
         return None;
     }
     let parameters = condition.parameters_at(level);

@@ -7,7 +7,7 @@ use crate::study::draft::{ConditionDraft, FactorLevelDraft, FixationDraft, Movin
 use crate::study::mistakes::{Report, suggestion};
 use crate::study::plan::{Condition, Fixation, FoveationCentre, MovingTarget};
 use crate::study::source::Field;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The speed of a moving target where a study does not say, degrees per second.
 const DEFAULT_TARGET_SPEED_DEG_S: f64 = 5.0;
@@ -20,6 +20,8 @@ const DEFAULT_REACH: f64 = 0.6;
 #[derive(Clone, Copy)]
 pub(super) struct World<'a> {
     pub(super) catalogue: &'a Catalogue,
+    /// Names that the study gives to files: one that the catalogue does not hold has been reported where it stands.
+    pub(super) own_names: &'a BTreeSet<String>,
     pub(super) display: Option<&'a Display>,
     pub(super) fixation_deg: Option<[f64; 2]>,
 }
@@ -94,12 +96,19 @@ pub(super) fn checked(name: &str, parts: &Parts, world: World<'_>, report: &mut 
     let catalogue = world.catalogue;
     let scene = parts.scene.as_ref().and_then(|(id, field)| {
         let ids = catalogue.scenes.iter().map(|scene| scene.id.as_str());
-        found_or_reported(catalogue.scene(id), "scenes", id, ids, field, report)
+        found_or_reported(catalogue.scene(id), "scenes", id, ids, world.own_names, field, report)
     });
     let renderer = parts.renderer.as_ref().and_then(|(id, field)| {
         let ids = catalogue.renderers.iter().map(|renderer| renderer.id.as_str());
-        found_or_reported(catalogue.renderer(id), "renderers", id, ids, field, report)
+        found_or_reported(catalogue.renderer(id), "renderers", id, ids, world.own_names, field, report)
     });
+    if let (Some(scene), Some(renderer)) = (scene, renderer) {
+        let resolution_px = world.display.map(Display::resolution_px);
+        let mismatch = catalogue.mismatch(&scene.id, &renderer.id, resolution_px);
+        if let Some((mismatch, (_, field))) = mismatch.zip(parts.scene.as_ref()) {
+            report.at(field, mismatch);
+        }
+    }
     let scene_parameters = scene.and_then(|scene| parameters(&scene.parameters, &parts.scene_parameters, report));
     let renderer_parameters =
         renderer.and_then(|renderer| parameters(&renderer.parameters, &parts.renderer_parameters, report));
@@ -159,10 +168,11 @@ fn found_or_reported<'c, T>(
     what: &str,
     id: &str,
     ids: impl Iterator<Item = &'c str> + Clone,
+    own_names: &BTreeSet<String>,
     field: &Field,
     report: &mut Report<'_>,
 ) -> Option<&'c T> {
-    if entry.is_none() {
+    if entry.is_none() && !own_names.contains(id) {
         let hint = suggestion(id, ids.clone());
         let ids = ids.collect::<Vec<_>>().join(", ");
         report.at(field, format!("expected one of the {what} {ids}, found {id:?}{hint}"));

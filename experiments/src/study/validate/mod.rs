@@ -7,6 +7,7 @@ mod agreement;
 mod condition;
 mod design;
 mod display;
+mod files;
 mod form;
 mod procedure;
 mod protocol;
@@ -14,6 +15,7 @@ mod values;
 
 pub(super) use display::described as display_from;
 pub use display::finest_mar_around;
+pub(super) use files::listed as listed_files;
 
 use super::draft::{
     BlockDraft, ConditionDraft, FORMAT, GazeDraft, NAME_PATTERN, ProtocolDraft, StudyDraft, TextsDraft,
@@ -55,7 +57,9 @@ pub(super) fn study(
     let gaze = gaze(draft.gaze.as_ref(), fixation_deg, &root.key("gaze"), report);
     let geometry = display.as_ref().zip(fixation_deg).map(|(display, fixation_deg)| Geometry { display, fixation_deg });
 
-    let world = World { catalogue, display: display.as_ref(), fixation_deg };
+    let files = files::checked(draft, catalogue, report);
+    let own_names = files::names(draft);
+    let world = World { catalogue, own_names: &own_names, display: display.as_ref(), fixation_deg };
     let conditions = draft.conditions.as_ref().map(|drafts| conditions(drafts, world, report));
     let context = Context {
         world,
@@ -78,6 +82,7 @@ pub(super) fn study(
         gaze: gaze?,
         texts: texts(draft.texts.as_ref()),
         participant,
+        files,
         blocks: blocks?,
         groups: groups?,
         sittings: sittings?,
@@ -96,7 +101,7 @@ struct Context<'a> {
     geometry: Option<Geometry<'a>>,
 }
 
-fn checked_name(name: &str, field: &Field, report: &mut Report<'_>) -> Option<String> {
+pub(super) fn checked_name(name: &str, field: &Field, report: &mut Report<'_>) -> Option<String> {
     let is_part = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit());
     // This is NAME_PATTERN, which editors check, without a regular expression engine.
     debug_assert_eq!(NAME_PATTERN, "^[a-z0-9]+(-[a-z0-9]+)*$");
