@@ -3,6 +3,8 @@
 //! Nothing here panics for lack of a device. Errors that wgpu reports late (validation, memory, a lost device) are kept
 //! and handed out by [`Gpu::check`], so that they become an error of the frame that caused them.
 
+use std::any::{Any, TypeId};
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -21,6 +23,17 @@ pub struct Gpu {
     pub timestamps: bool,
     blocking_timing: AtomicBool,
     fault: Arc<Mutex<Option<String>>>,
+    shared: Shared,
+}
+
+/// What is made once for a device, by type.
+#[derive(Default)]
+struct Shared(Mutex<HashMap<TypeId, Arc<dyn Any + Send + Sync>>>);
+
+impl std::fmt::Debug for Shared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Shared")
+    }
 }
 
 /// Why there is no device, or why it stopped working.
@@ -122,7 +135,16 @@ impl Gpu {
                 keep(&slot, format!("device lost: {message}"));
             }
         });
-        Ok(Self { device, queue, adapter, adapter_info, timestamps, blocking_timing: AtomicBool::new(false), fault })
+        Ok(Self {
+            device,
+            queue,
+            adapter,
+            adapter_info,
+            timestamps,
+            blocking_timing: AtomicBool::new(false),
+            fault,
+            shared: Shared::default(),
+        })
     }
 
     /// Whether every frame waits for its own GPU time. Off at first: a window must never wait.
@@ -134,6 +156,23 @@ impl Gpu {
     #[must_use]
     pub fn blocking_timing(&self) -> bool {
         self.blocking_timing.load(Ordering::Relaxed)
+    }
+
+    /// What `make` makes, once for the device: later calls for the same type return the same thing.
+    pub(crate) fn shared<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
+        let kept = |shared: &Shared| {
+            let map = shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+            map.get(&TypeId::of::<T>()).cloned().and_then(|any| any.downcast::<T>().ok())
+        };
+        if let Some(found) = kept(&self.shared) {
+            return found;
+        }
+        // Made without the lock: two threads may both make one, and the first stays.
+        let made: Arc<dyn Any + Send + Sync> = Arc::new(make(self));
+        let mut map = self.shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let stays = Arc::clone(map.entry(TypeId::of::<T>()).or_insert(made));
+        drop(map);
+        stays.downcast::<T>().unwrap_or_else(|_| unreachable!("kept under its own type"))
     }
 
     /// Reports the first error that the device raised since it was opened.

@@ -37,5 +37,5 @@ pub use contract::{
 pub use display_pass::{Background, Disc, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};
 pub use gpu::{Gpu, GpuError};
-pub use world::gltf::{GltfFile, Mistake, Notice, WorldError};
 pub use registry::{AddError, Registry, catalogue, make_renderer, make_scene};
+pub use world::gltf::{GltfFile, Mistake, Notice, WorldError};

@@ -263,8 +263,8 @@ mod tests {
     fn every_shader_is_valid() {
         let shaders = [
             ("display_pass", crate::display_pass::WGSL),
-            ("mesh scene", crate::mesh_scene::raster::WGSL),
-            ("mesh scene, counted", crate::mesh_scene::raster::COUNTED_WGSL),
+            ("mesh scene", crate::mesh_scene::pipelines::WGSL),
+            ("mesh scene, counted", crate::mesh_scene::pipelines::COUNTED_WGSL),
             ("mesh scene's shadow", crate::mesh_scene::shadow::WGSL),
             ("campbell_robson", crate::scenes::campbell_robson::WGSL),
             ("centred", crate::scenes::centred::WGSL),

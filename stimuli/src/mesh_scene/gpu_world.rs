@@ -34,7 +34,6 @@ pub(super) struct Layouts {
 
 /// A world's constant part on the GPU.
 pub(super) struct GpuWorld {
-    pub(super) layouts: Layouts,
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     materials: wgpu::Buffer,
@@ -178,7 +177,6 @@ impl GpuWorld {
         };
         use wgpu::AddressMode::{ClampToEdge, Repeat};
         Ok(Self {
-            layouts: Layouts::new(gpu),
             vertices: buffer(gpu, &vertices, wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE),
             indices: buffer(gpu, &indices, wgpu::BufferUsages::INDEX | wgpu::BufferUsages::STORAGE),
             materials: buffer(gpu, &materials, wgpu::BufferUsages::STORAGE),
@@ -212,7 +210,7 @@ impl GpuWorld {
     }
 
     /// Group 0 for one frame.
-    pub(super) fn bind(&self, gpu: &Gpu, frame: &Frame, shadow: &Shadow) -> wgpu::BindGroup {
+    pub(super) fn bind(&self, gpu: &Gpu, layouts: &Layouts, frame: &Frame, shadow: &Shadow) -> wgpu::BindGroup {
         use wgpu::BindingResource::{Sampler, TextureView};
         let resources = [
             frame.uniform.as_entire_binding(),
@@ -231,14 +229,14 @@ impl GpuWorld {
         let entries: Vec<_> = entries.map(|(resource, binding)| wgpu::BindGroupEntry { binding, resource }).collect();
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("world"),
-            layout: &self.layouts.world,
+            layout: &layouts.world,
             entries: &entries,
         })
     }
 }
 
 impl Layouts {
-    fn new(gpu: &Gpu) -> Self {
+    pub(super) fn new(gpu: &Gpu) -> Self {
         use wgpu::BindingType as Type;
         use wgpu::{BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
         let layout = |label, types: &[Type], visibility| {

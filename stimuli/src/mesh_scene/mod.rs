@@ -7,8 +7,9 @@ mod draw_list;
 mod frame;
 mod gpu_world;
 mod intermediates;
+pub(crate) mod pipelines;
 mod projection;
-pub(crate) mod raster;
+mod raster;
 mod rays;
 pub(crate) mod shadow;
 #[cfg(test)]
@@ -19,6 +20,7 @@ use crate::gpu::Gpu;
 use crate::surfaces::{GBuffer, SurfaceGroups, Surfaces};
 use crate::world::World;
 use experiments::display::Display;
+use std::sync::Arc;
 
 /// A world on the GPU, seen on one display.
 struct MeshScene {
@@ -26,6 +28,7 @@ struct MeshScene {
     display: Display,
     world: World,
     on_gpu: gpu_world::GpuWorld,
+    pipelines: Arc<pipelines::Pipelines>,
     raster: raster::Raster,
     shadow: shadow::Shadow,
     /// Built when rays are first asked for.
@@ -39,13 +42,15 @@ struct MeshScene {
 pub(crate) fn make(gpu: &Gpu, display: &Display, world: World) -> Result<Box<dyn Scene>, MakeError> {
     let on_gpu = gpu_world::GpuWorld::new(gpu, &world)?;
     let shadow = shadow::Shadow::new(gpu, &world);
-    let raster = raster::Raster::new(gpu, &on_gpu, shadow.texel_m() > 0.0);
+    let pipelines = pipelines::Pipelines::of(gpu);
+    let raster = raster::Raster::new(Arc::clone(&pipelines), &on_gpu, shadow.texel_m() > 0.0);
     gpu.check()?;
     Ok(Box::new(MeshScene {
         identity: SceneIdentity::new(),
         display: display.clone(),
         world,
         on_gpu,
+        pipelines,
         raster,
         shadow,
         rays: None,
@@ -62,7 +67,7 @@ impl MeshScene {
     ) -> (frame::Frame, wgpu::BindGroup) {
         let frame = frame::Frame::new(gpu, &self.display, &self.world, &self.on_gpu, &self.shadow, request);
         self.shadow.update(gpu, encoder, &self.world, &self.on_gpu, &frame, request.animation_s);
-        let group = self.on_gpu.bind(gpu, &frame, &self.shadow);
+        let group = self.on_gpu.bind(gpu, &self.pipelines.layouts, &frame, &self.shadow);
         (frame, group)
     }
 }
@@ -103,7 +108,7 @@ impl Scene for MeshScene {
 
 impl Surfaces for MeshScene {
     fn world_layout(&self) -> &wgpu::BindGroupLayout {
-        &self.on_gpu.layouts.world
+        &self.pipelines.layouts.world
     }
 
     fn rays_layout(&mut self, gpu: &Gpu) -> &wgpu::BindGroupLayout {

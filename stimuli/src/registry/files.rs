@@ -119,12 +119,7 @@ impl Registry {
     ///
     /// # Errors
     /// Everything that is wrong with either file, or a name that is in use.
-    pub fn add_gltf(
-        &mut self,
-        name: &str,
-        file: &Path,
-        environment: Option<&Path>,
-    ) -> Result<Vec<Notice>, AddError> {
+    pub fn add_gltf(&mut self, name: &str, file: &Path, environment: Option<&Path>) -> Result<Vec<Notice>, AddError> {
         let mut model = GltfFile::read(file)?;
         if let Some(environment) = environment {
             model = model.with_environment(environment)?;

@@ -18,8 +18,18 @@ pub(crate) fn info(id: &str) -> SceneInfo {
         version: 1,
         about: "A panorama from a file.".to_owned(),
         parameters: vec![
-            ParameterSchema::choice("camera", &["pan", "static"], "Whether the camera looks left and right or stands still."),
-            ParameterSchema::number("camera_speed", "°/s", 0.1..=90.0, 10.0, "How fast a panning camera turns at most."),
+            ParameterSchema::choice(
+                "camera",
+                &["pan", "static"],
+                "Whether the camera looks left and right or stands still.",
+            ),
+            ParameterSchema::number(
+                "camera_speed",
+                "°/s",
+                0.1..=90.0,
+                10.0,
+                "How fast a panning camera turns at most.",
+            ),
             ParameterSchema::number(
                 "heading_deg",
                 "°",

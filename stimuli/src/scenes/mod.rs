@@ -2,22 +2,22 @@
 
 pub(crate) mod atrium;
 pub(crate) mod campbell_robson;
+pub(crate) mod centred;
 mod coloured;
 pub(crate) mod engine_room;
 pub(crate) mod environment;
 pub(crate) mod grid_world;
-pub(crate) mod centred;
 pub(crate) mod noise;
 pub(crate) mod orbit;
 pub(crate) mod parts;
 pub(crate) mod patch;
 pub(crate) mod photo;
+pub(crate) mod picture;
 pub(crate) mod tunnel;
 pub(crate) mod voxel_town;
 #[cfg(test)]
 mod worlds_tests;
 pub(crate) mod zone_plate;
-pub(crate) mod picture;
 
 use crate::contract::{DrawCost, DrawRequest, View};
 use crate::gpu::Gpu;
