@@ -120,7 +120,7 @@ fn a_rendered_picture_is_as_large_as_its_display_and_costs_what_it_says() {
         let documented =
             ["scene", "renderer", "width", "height", "gaze_deg", "display_pixels", "pixels_shaded", "gpu_time_s"];
         assert_eq!(keys[..8], documented);
-        assert_eq!(keys[8..], ["file"]);
+        assert_eq!(keys[8..], ["time_s", "frames", "triangles", "rays_traced", "layers", "file"]);
         assert_eq!(rendered["scene"], "photo");
         assert_eq!(rendered["renderer"], renderer);
         assert_eq!((&rendered["width"], &rendered["height"]), (&json!(160), &json!(90)));
@@ -142,6 +142,71 @@ fn a_rendered_picture_is_as_large_as_its_display_and_costs_what_it_says() {
     }
     let bytes = |file: &str| std::fs::read(folder.path().join(file)).unwrap();
     assert_ne!(bytes("reference.png"), bytes("ring.png"));
+}
+
+/// Linear light in full floats: what the display's transfer makes of it is the PNG, and exposure has not touched it.
+#[test]
+fn an_exr_holds_the_linear_light_of_the_png() {
+    let folder = tempdir().unwrap();
+    let mut gamma = small_display();
+    gamma["transfer"] = json!({ "gamma": [2.2, 2.2, 1.0] });
+    write_json(folder.path(), "gamma.json", &gamma);
+    for (file, size) in [("a.png", "96x54"), ("a.exr", "96x54")] {
+        let arguments = ["render", "--scene", "photo", "--renderer", "layers", "--set", "m=0.2", "--display"];
+        let more = ["gamma.json", "--size", size, "--out", file, "--json"];
+        let rendered = run(folder.path(), &[&arguments[..], &more].concat()).expect(0).json();
+        assert_eq!((&rendered["width"], &rendered["height"]), (&json!(96), &json!(54)));
+    }
+    let shown = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
+    let linear = image::open(folder.path().join("a.exr")).unwrap().to_rgb32f();
+    assert_eq!(linear.dimensions(), (96, 54));
+    for (shown, linear) in shown.pixels().zip(linear.pixels()) {
+        for (channel, gamma) in [2.2, 2.2, 1.0].into_iter().enumerate() {
+            let expected = 255.0 * f64::from(linear[channel]).clamp(0.0, 1.0).powf(1.0 / gamma);
+            assert!((f64::from(shown[channel]) - expected).abs() <= 0.51, "{shown:?} is not {linear:?}");
+        }
+    }
+    let mut files: Vec<String> = contents(folder.path()).keys().map(|path| path.display().to_string()).collect();
+    files.sort();
+    assert_eq!(files, ["a.exr", "a.png", "gamma.json"], "nothing unfinished is left");
+}
+
+#[test]
+fn a_heat_map_counts_what_was_shaded_in_the_last_frame() {
+    let folder = tempdir().unwrap();
+    write_json(folder.path(), "small.json", &small_display());
+    let rendered = |scene: &str, renderer: &str, more: &[&str]| {
+        let fixed = ["render", "--display", "small.json", "--out", "a.png", "--heatmap", "h.png", "--json"];
+        let named = ["--scene", scene, "--renderer", renderer, "--gaze", "3,1"];
+        run(folder.path(), &[&fixed[..], &named, more].concat()).expect(0).json()
+    };
+    // Once everywhere: one colour in the whole map, but for the gaze.
+    let full = rendered("zone-plate", "reference", &[]);
+    assert_eq!(full["counted"], json!({ "pixels": 160 * 90, "runs": 160 * 90 }));
+    assert_eq!(full["pixels_shaded"], 160 * 90);
+    let map = image::open(folder.path().join("h.png")).unwrap().to_rgb8();
+    assert!(map.width() > 160 && map.height() > 90);
+    let corner = *map.get_pixel(0, 0);
+    let even = (0..90).flat_map(|y| (0..160).map(move |x| (x, y))).filter(|&(x, y)| *map.get_pixel(x, y) == corner);
+    assert!(even.count() > 160 * 90 - 200);
+
+    // Layers cost less, and less is darker: the corner far from the gaze against the place of the gaze.
+    let layers = rendered("zone-plate", "layers", &["--set", "m=0.3"]);
+    let counted = layers["counted"]["pixels"].as_u64().unwrap();
+    assert_eq!(layers["pixels_shaded"], counted);
+    assert!(counted < 160 * 90 / 2);
+    let map = image::open(folder.path().join("h.png")).unwrap().to_rgb8();
+    let brightness = |x: u32, y: u32| map.get_pixel(x, y).0.iter().map(|&c| u32::from(c)).sum::<u32>();
+    let display = experiments::Display::new("small", [160, 90], [100.0, 56.0], 300.0).unwrap();
+    let [x, y] = display.px_from_deg([3.0, 1.0]).map(|x| x as u32);
+    assert!(brightness(x + 14, y) > brightness(0, 89) + 60, "{} {}", brightness(x + 14, y), brightness(0, 89));
+
+    // A picture that stands still is drawn in the first frame and in no other; one that moves, in all of them.
+    let still = rendered("photo", "reference", &["--frames", "3", "--time", "1"]);
+    assert_eq!(still["counted"], json!({ "pixels": 0, "runs": 0 }));
+    let moving = rendered("zone-plate", "reference", &["--frames", "3", "--fps", "30", "--set", "scene.drift_hz=2"]);
+    assert_eq!(moving["counted"]["pixels"], 160 * 90);
+    assert_eq!(moving["frames"], 3);
 }
 
 #[test]
@@ -203,6 +268,19 @@ fn what_cannot_be_used_is_refused_with_exit_code_2_and_nothing_is_written() {
         (&[&["render"], &picture, &["--display", "nowhere"]], "guenter-2012"),
         (&[&["render"], &picture, &["--set", "mar_deg=-3"]], "mar_deg"),
         (&[&["render"], &picture, &["--set", "colour=3"]], "colour"),
+        (&[&["render"], &picture, &["--size", "0x540"]], "from 16 to 16384"),
+        (&[&["render"], &picture, &["--size", "99999x540"]], "from 16 to 16384"),
+        (&[&["render"], &picture, &["--size", "wide"]], "960x540"),
+        (&[&["render"], &picture, &["--size", "16384x16384"]], "at most 67108864 pixels"),
+        (&[&["render"], &picture, &["--time", "NaN"]], "number of seconds"),
+        (&[&["render"], &picture, &["--time", "1e300"]], "number of seconds"),
+        (&[&["render"], &picture, &["--frames", "0"]], "--frames"),
+        (&[&["render"], &picture, &["--frames", "3", "--fps", "0"]], "frames a second"),
+        (&[&["render"], &picture, &["--heatmap", "a.exr"]], "ends in .png"),
+        (&[&["render"], &picture, &["--heatmap", "a.png"]], "the same file"),
+        (&[&["render"], &picture, &["--heatmap", "nowhere/b.png"]], "a folder that exists"),
+        (&[&["render", "--out", "a.jpg", "--scene", "photo", "--renderer", "ring"]], "ends in .png, or in .exr"),
+        (&[&["render", "--out", "b/a.png", "--scene", "photo", "--renderer", "ring"]], "a folder that exists"),
         (&[&["render", "--out", "a.png", "--scene", "moon", "--renderer", "ring"]], "photo"),
         (&[&["render", "--out", "a.png", "--scene", "photo", "--renderer", "magic"]], "ring"),
     ];

@@ -25,7 +25,7 @@ fn picture(gpu: &Gpu, display: &Display, image: &str, renderer: &str, parameters
     let frame = FrameInput { gaze_deg: [0.0, 0.0], ..FrameInput::default() };
     renderer.render(gpu, scene.as_mut(), &frame).unwrap();
     let pass = DisplayPass::new(gpu, wgpu::TextureFormat::Rgba8Unorm);
-    let background = Background::Picture(renderer.output());
+    let background = Background::Picture(renderer.output(), scene.light());
     readback::displayed(gpu, &pass, display.resolution_px(), background, None).unwrap()
 }
 

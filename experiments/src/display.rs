@@ -9,6 +9,10 @@
 //!   `atan(x_mm / distance_mm)`. Angles *between* points come from [`Display::eccentricity_deg`], never from
 //!   subtracting these coordinates.
 
+mod transfer;
+
+pub use transfer::{CHANNELS, MeasuredTransfer, Transfer, TransferError, TransferNumbers};
+
 use serde::Serialize;
 
 /// A flat display seen from a fixed distance.
@@ -23,6 +27,8 @@ pub struct Display {
     distance_mm: f64,
     refresh_hz: f64,
     peak_cd_m2: Option<f64>,
+    #[serde(skip_serializing_if = "Transfer::is_srgb")]
+    transfer: Transfer,
 }
 
 /// Why a display cannot exist.
@@ -90,6 +96,7 @@ impl Display {
             distance_mm,
             refresh_hz: DEFAULT_REFRESH_HZ,
             peak_cd_m2: None,
+            transfer: Transfer::Srgb,
         })
     }
 
@@ -123,6 +130,22 @@ impl Display {
         }
         self.peak_cd_m2 = Some(peak_cd_m2);
         Ok(self)
+    }
+
+    /// The same display with the transfer that it has; sRGB until then.
+    #[must_use]
+    pub fn with_transfer(mut self, transfer: Transfer) -> Self {
+        self.transfer = transfer;
+        self
+    }
+
+    /// The same display, as large and as far away, with other pixels.
+    ///
+    /// # Errors
+    /// When the resolution is impossible.
+    pub fn with_resolution_px(&self, resolution_px: [u32; 2]) -> Result<Self, Vec<DisplayError>> {
+        let checked = Self::new(self.name.as_str(), resolution_px, self.size_mm, self.distance_mm)?;
+        Ok(Self { resolution_px: checked.resolution_px, ..self.clone() })
     }
 
     /// A display that ships with the program, one of [`NAMED_DISPLAYS`].
@@ -181,6 +204,12 @@ impl Display {
     #[must_use]
     pub fn peak_cd_m2(&self) -> Option<f64> {
         self.peak_cd_m2
+    }
+
+    /// How much light each channel gives for what is sent to it.
+    #[must_use]
+    pub fn transfer(&self) -> &Transfer {
+        &self.transfer
     }
 
     /// Width and height of one pixel, in millimetres.

@@ -5,6 +5,7 @@
 
 use experiments::Display;
 use experiments::design::assignment::Assignment;
+use experiments::display::{Transfer, TransferNumbers};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -86,6 +87,9 @@ pub struct DisplayRecord {
     pub refresh_hz: f64,
     /// cd/m², where measured.
     pub peak_cd_m2: Option<f64>,
+    /// How much light each channel gives for what is sent to it; absent for sRGB.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transfer: Option<TransferNumbers>,
 }
 
 /// How frames were shown.
@@ -137,6 +141,7 @@ impl From<&Display> for DisplayRecord {
             distance_mm: display.distance_mm(),
             refresh_hz: display.refresh_hz(),
             peak_cd_m2: display.peak_cd_m2(),
+            transfer: display.transfer().numbers(),
         }
     }
 }
@@ -148,13 +153,19 @@ impl DisplayRecord {
     /// When the numbers are not a display, in words.
     pub fn display(&self) -> Result<Display, String> {
         let built = Display::new(self.name.as_str(), self.resolution_px, self.size_mm, self.distance_mm)
-            .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
-        let built = built.with_refresh_hz(self.refresh_hz).map_err(|error| error.to_string())?;
+            .map_err(|errors| all_of(&errors))?;
+        let transfer = Transfer::from_numbers(self.transfer.clone()).map_err(|errors| all_of(&errors))?;
+        let built =
+            built.with_transfer(transfer).with_refresh_hz(self.refresh_hz).map_err(|error| error.to_string())?;
         match self.peak_cd_m2 {
             Some(peak) => built.with_peak_cd_m2(peak).map_err(|error| error.to_string()),
             None => Ok(built),
         }
     }
+}
+
+fn all_of(errors: &[impl ToString]) -> String {
+    errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// SHA-256 in hex.
@@ -179,5 +190,21 @@ mod tests {
             let display = Display::named(name).expect("ships");
             assert_eq!(DisplayRecord::from(&display).display(), Ok(display));
         }
+    }
+
+    /// sRGB adds nothing to a header, so that the hashes of sessions from before still hold.
+    #[test]
+    fn a_transfer_is_kept_and_srgb_leaves_no_trace() {
+        let srgb = Display::named("demo-540p").expect("ships");
+        let text = serde_json::to_string(&DisplayRecord::from(&srgb)).expect("serialises");
+        assert!(text.ends_with("\"peak_cd_m2\":null}"), "{text}");
+        let gamma = srgb.with_transfer(Transfer::Gamma([2.2, 2.2, 2.25]));
+        let text = serde_json::to_string(&DisplayRecord::from(&gamma)).expect("serialises");
+        assert!(text.ends_with("\"transfer\":{\"gamma\":[2.2,2.2,2.25]}}"), "{text}");
+        let record: DisplayRecord = serde_json::from_str(&text).expect("parses");
+        assert_eq!(record.display(), Ok(gamma));
+        let wrong = DisplayRecord { transfer: Some(TransferNumbers::Gamma { gamma: [0.0, 2.0, 9.0] }), ..record };
+        let said = wrong.display().expect_err("two exponents");
+        assert!(said.contains("gamma[0]") && said.contains("gamma[2]"), "{said}");
     }
 }

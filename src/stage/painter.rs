@@ -15,7 +15,7 @@ use experiments::study::plan::{Condition, Level};
 use experiments::trial::{Alternative, Presentation, Scale};
 use image::RgbaImage;
 use std::collections::BTreeMap;
-use stimuli::contract::{FrameCost, FrameInput, Renderer, Scene};
+use stimuli::contract::{FrameCost, FrameInput, Renderer, Scene, SceneLight};
 use stimuli::display_pass::{Background, Disc, DisplayPass, linear_from_srgb8, overlay_texture};
 use stimuli::gpu::Gpu;
 use stimuli::registry;
@@ -146,7 +146,7 @@ impl Painter {
     pub fn new(gpu: Gpu, display: &Display, fixation_deg: [f64; 2], format: wgpu::TextureFormat) -> Self {
         let mut painter = Self {
             display: display.clone(),
-            pass: DisplayPass::new(&gpu, format),
+            pass: DisplayPass::for_display(&gpu, format, display),
             reference: None,
             tests: BTreeMap::new(),
             scenes: Recent::new(SCENES),
@@ -239,7 +239,7 @@ impl Painter {
     pub fn compose(&self, view: &View<'_>, pass: &DisplayPass, target: &wgpu::TextureView, target_px: [u32; 2]) {
         let grey = if *view.presentation == Presentation::Black { 0 } else { GREY };
         let background = match self.rendered(view) {
-            Some(renderer) => Background::Picture(renderer.output()),
+            Some(renderer) => Background::Picture(renderer.output(), self.light(view)),
             None => Background::Uniform([f64::from(linear_from_srgb8(grey)); 3]),
         };
         let overlay = OverlayKey::of(view).and_then(|key| self.overlays.get(|kept| *kept == key));
@@ -367,6 +367,13 @@ impl Painter {
             return Ok(None);
         };
         Ok(Some(renderer.render(&self.gpu, scene.as_mut(), &frame)?))
+    }
+
+    /// How the light of a frame's scene is brought to the display.
+    fn light(&self, view: &View<'_>) -> SceneLight {
+        let condition = view.condition;
+        let scene = condition.and_then(|of| self.scenes.get(|key| key.0 == of.scene && key.1 == of.scene_parameters));
+        scene.map_or_else(SceneLight::default, |scene| scene.light())
     }
 
     fn rendered(&self, view: &View<'_>) -> Option<&dyn Renderer> {

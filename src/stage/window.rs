@@ -324,7 +324,7 @@ impl Stage {
         // One frame in flight: a longer queue would show older gaze.
         configuration.desired_maximum_frame_latency = 1;
         surface.configure(&gpu.device, &configuration);
-        let hash_pass = DisplayPass::new(&gpu, wgpu::TextureFormat::Rgba8Unorm);
+        let hash_pass = DisplayPass::for_display(&gpu, wgpu::TextureFormat::Rgba8Unorm, &options.display);
         let painter = Painter::new(gpu, &options.display, options.gaze.fixation_deg, format);
         Ok(Self {
             window,

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let cost = ring.render(&gpu, scene.as_mut(), &frame)?;
                 gpu.wait()?;
                 let rendered = begin.elapsed();
-                let picture = Background::Picture(ring.output());
+                let picture = Background::Picture(ring.output(), scene.light());
                 readback::displayed(&gpu, &display_pass, display.resolution_px(), picture, None)?;
                 // Not the way from where the gaze was before.
                 if index > 0 {

@@ -3,6 +3,7 @@
 //! every renderer.
 
 use crate::gpu::{Gpu, GpuError};
+use crate::surfaces::Surfaces;
 use experiments::catalogue::{ParameterError, Parameters};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -171,6 +172,12 @@ pub trait Scene: Send {
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError>;
 
+    /// The scene's surfaces, for renderers that shade or trace by themselves; `None` for flat pictures and for scenes that
+    /// are more than surfaces.
+    fn surfaces(&mut self) -> Option<&mut dyn Surfaces> {
+        None
+    }
+
     /// How the scene's light is brought to a display.
     fn light(&self) -> SceneLight {
         SceneLight::default()
@@ -226,7 +233,7 @@ impl SceneIdentity {
 /// What one layer of a frame cost, for renderers that draw in layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerCost {
-    /// The layer's name: `inner`, `middle`, `outer`.
+    /// The layer's name: `inner`, `middle`, `outer`; of four layers the third is the `far middle`.
     pub name: &'static str,
     /// What it shows of the display, and at how many pixels; `None` where it does not touch the display.
     pub view: Option<View>,

@@ -1,9 +1,14 @@
-//! The last step to a display: clamp to 0–1, lay discs and the text screen over, encode as sRGB (IEC 61966-2-1). The window and the
-//! offscreen stage both use it, so that a picture on disk is the picture that was seen.
+//! The display transform, the only step that is not linear: a scene's picture is exposed and tone mapped
+//! ([`crate::tone`]), discs and the text screen are laid over it, and everything is encoded with the display's own
+//! transfer, sRGB (IEC 61966-2-1) or what was measured. The window and the offscreen stage both use it, so that a picture
+//! on disk is the picture that was seen.
 
+use crate::contract::{SceneLight, ToneMap};
 use crate::geometry::PixelBox;
 use crate::gpu::Gpu;
 use crate::pass::{self, Extent};
+use crate::tone::{KNEE, WHITE};
+use experiments::display::{Display, Transfer};
 use image::RgbaImage;
 use wgpu::util::DeviceExt;
 
@@ -12,9 +17,9 @@ pub(crate) const WGSL: &str = include_str!("display_pass.wgsl");
 /// What stands behind the overlay.
 #[derive(Debug, Clone, Copy)]
 pub enum Background<'a> {
-    /// A linear picture, such as [`crate::contract::Renderer::output`]. It stands in the target's middle, never scaled,
-    /// with black around it.
-    Picture(&'a wgpu::Texture),
+    /// A linear picture, such as [`crate::contract::Renderer::output`], and how its light is brought to a display, which is
+    /// its scene's [`crate::contract::Scene::light`]. It stands in the target's middle, never scaled, with black around it.
+    Picture(&'a wgpu::Texture, SceneLight),
     /// One linear colour all over, 0–1. A grey of half the display's luminance is `[0.5; 3]`.
     Uniform([f64; 3]),
 }
@@ -33,15 +38,30 @@ pub struct Disc {
     pub colour: [u8; 3],
 }
 
-/// The display pass for targets of one format.
+/// Entries of the table that a transfer is looked up in. At even steps of the fourth root of the light above black, so that
+/// powers of light up to the display's gamma of 4, and curves that leave black flat, are smooth in it: linear between
+/// entries, the signal of a gamma is off by at most 12/8 · 4095⁻² = 9e-8.
+const TABLE_ENTRIES: u32 = 4096;
+
+/// The display pass for targets of one format on displays of one transfer.
 #[derive(Debug)]
 pub struct DisplayPass {
-    pipeline: wgpu::RenderPipeline,
-    overlay_pipeline: wgpu::RenderPipeline,
-    discs_pipeline: wgpu::RenderPipeline,
-    overlay_on_discs_pipeline: wgpu::RenderPipeline,
+    clamped: Pipelines,
+    filmic: Pipelines,
     format: wgpu::TextureFormat,
+    signals: wgpu::TextureView,
+    /// Light of each channel at signal 0.
+    black: [f64; 3],
     nothing: wgpu::TextureView,
+}
+
+/// The pass under one tone map. Apart, because software devices run every branch for every pixel.
+#[derive(Debug)]
+struct Pipelines {
+    plain: wgpu::RenderPipeline,
+    overlay: wgpu::RenderPipeline,
+    discs: wgpu::RenderPipeline,
+    overlay_on_discs: wgpu::RenderPipeline,
 }
 
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -53,6 +73,11 @@ struct Uniform {
     target_size: [i32; 2],
     flags: u32,
     disc_count: u32,
+    exposure: f32,
+    knee: f32,
+    white: f32,
+    shoulder_end: f32,
+    black: [f32; 4],
     discs: [DiscUniform; MOST_DISCS],
 }
 
@@ -64,18 +89,38 @@ struct DiscUniform {
 }
 
 impl DisplayPass {
-    /// A pass into targets of `format`: RGBA8 or BGRA8, with the `Srgb` suffix or without. Both show the same colours:
-    /// where the hardware encodes, the shader does not.
+    /// A pass into targets of `format` for sRGB displays: RGBA8 or BGRA8, with the `Srgb` suffix or without. Both show the
+    /// same colours: where the hardware encodes, the shader does not.
     #[must_use]
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
-        let encodes = [("ENCODES", f64::from(u8::from(!format.is_srgb())))];
-        let pipeline = |entry| pass::pipeline_with(gpu, "display pass", WGSL, entry, format, &encodes);
+        Self::with_transfer(gpu, format, &Transfer::Srgb)
+    }
+
+    /// As [`DisplayPass::new`], for `display` with the transfer that it has.
+    #[must_use]
+    pub fn for_display(gpu: &Gpu, format: wgpu::TextureFormat, display: &Display) -> Self {
+        Self::with_transfer(gpu, format, display.transfer())
+    }
+
+    fn with_transfer(gpu: &Gpu, format: wgpu::TextureFormat, transfer: &Transfer) -> Self {
+        let flag = |set: bool| f64::from(u8::from(set));
+        let pipelines = |filmic: bool| {
+            let constants =
+                [("ENCODES", flag(!format.is_srgb())), ("FILMIC", flag(filmic)), ("TABLE", flag(!transfer.is_srgb()))];
+            let pipeline = |entry| pass::pipeline_with(gpu, "display pass", WGSL, entry, format, &constants);
+            Pipelines {
+                plain: pipeline("show"),
+                overlay: pipeline("show_overlay"),
+                discs: pipeline("show_discs"),
+                overlay_on_discs: pipeline("show_overlay_on_discs"),
+            }
+        };
         Self {
-            pipeline: pipeline("show"),
-            overlay_pipeline: pipeline("show_overlay"),
-            discs_pipeline: pipeline("show_discs"),
-            overlay_on_discs_pipeline: pipeline("show_overlay_on_discs"),
+            clamped: pipelines(false),
+            filmic: pipelines(true),
             format,
+            signals: pass::view(&signal_table(gpu, transfer)),
+            black: black(transfer),
             nothing: pass::view(&pass::linear_texture(gpu, "nothing", [1, 1])),
         }
     }
@@ -105,9 +150,13 @@ impl DisplayPass {
         overlay: Option<&wgpu::Texture>,
     ) {
         let size = |texture: &wgpu::Texture| [texture.width() as i32, texture.height() as i32];
-        let (picture, colour) = match background {
-            Background::Picture(texture) => (Some(texture), [0.0; 3]),
-            Background::Uniform(colour) => (None, colour),
+        let (picture, colour, light) = match background {
+            Background::Picture(texture, light) => (Some(texture), [0.0; 3], light),
+            Background::Uniform(colour) => (None, colour, SceneLight::default()),
+        };
+        let pipelines = match light.tone_map {
+            ToneMap::Clamp => &self.clamped,
+            ToneMap::Filmic => &self.filmic,
         };
         let overlay_is_encoded = overlay.is_some_and(|overlay| !overlay.format().is_srgb());
         let flags = [picture.is_some(), overlay_is_encoded];
@@ -122,28 +171,57 @@ impl DisplayPass {
             target_size: target_px.map(|x| x as i32),
             flags: flags.iter().zip(0..).map(|(&flag, bit)| u32::from(flag) << bit).sum(),
             disc_count: discs.len() as u32,
+            exposure: light.exposure as f32,
+            knee: KNEE as f32,
+            white: WHITE as f32,
+            shoulder_end: ((WHITE - KNEE) / (1.0 - KNEE)) as f32,
+            black: [self.black[0] as f32, self.black[1] as f32, self.black[2] as f32, 0.0],
             discs: disc_slots,
         };
         let picture_view = picture.map_or_else(|| self.nothing.clone(), pass::view);
         let buffer = pass::uniform(gpu, &uniform);
-        let bind_group = pass::bind(gpu, &self.pipeline, &buffer, &[&picture_view]);
-        pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::All);
+        let bind_group = pass::bind(gpu, &pipelines.plain, &buffer, &[&picture_view, &self.signals]);
+        pass::draw(encoder, &pipelines.plain, &bind_group, target, Extent::All);
 
         // The parts of the discs once more, with the discs.
         if !discs.is_empty() {
             let places: Vec<PixelBox> = discs.iter().map(|&(_, place)| place).collect();
-            let bind_group = pass::bind(gpu, &self.discs_pipeline, &buffer, &[&picture_view]);
-            pass::draw(encoder, &self.discs_pipeline, &bind_group, target, Extent::Boxes(&places));
+            let bind_group = pass::bind(gpu, &pipelines.discs, &buffer, &[&picture_view, &self.signals]);
+            pass::draw(encoder, &pipelines.discs, &bind_group, target, Extent::Boxes(&places));
         }
 
         // The overlay's part once more, with the overlay.
         if let Some(overlay) = overlay {
             let place = centred_box([overlay.width(), overlay.height()], target_px);
-            let pipeline = if discs.is_empty() { &self.overlay_pipeline } else { &self.overlay_on_discs_pipeline };
-            let bind_group = pass::bind(gpu, pipeline, &buffer, &[&picture_view, &pass::view(overlay)]);
+            let pipeline = if discs.is_empty() { &pipelines.overlay } else { &pipelines.overlay_on_discs };
+            let views = [&picture_view, &self.signals, &pass::view(overlay)];
+            let bind_group = pass::bind(gpu, pipeline, &buffer, &views);
             pass::draw(encoder, pipeline, &bind_group, target, Extent::Boxes(&[place]));
         }
     }
+}
+
+fn black(transfer: &Transfer) -> [f64; 3] {
+    [0, 1, 2].map(|channel| transfer.light_from_signal(channel, 0.0))
+}
+
+/// The signals of each channel from black to peak, as [`TABLE_ENTRIES`] says; a single entry that nobody reads for sRGB,
+/// which is computed.
+fn signal_table(gpu: &Gpu, transfer: &Transfer) -> wgpu::Texture {
+    let entries = if transfer.is_srgb() { 1 } else { TABLE_ENTRIES };
+    let last = f64::from(entries.max(2) - 1);
+    let black = black(transfer);
+    let signals: Vec<[f32; 4]> = (0..entries)
+        .map(|entry| {
+            let above_black = (f64::from(entry) / last).powi(4);
+            let [red, green, blue] = [0, 1, 2].map(|channel| {
+                let light = black[channel] + (1.0 - black[channel]) * above_black;
+                transfer.signal_from_light(channel, light) as f32
+            });
+            [red, green, blue, 1.0]
+        })
+        .collect();
+    pass::float_texture(gpu, "signals", [entries, 1], &signals)
 }
 
 impl DiscUniform {

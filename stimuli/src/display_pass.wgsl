@@ -1,4 +1,5 @@
-// The last step to a display: a linear picture or a flat colour, a text screen over it, clamped and encoded as sRGB.
+// The display transform: a linear picture is exposed and tone mapped, or a flat colour clamped; discs and a text screen
+// are laid over it in linear light; and all of it is encoded with the display's own transfer.
 
 struct Pass {
     // Flat linear colour around and behind the picture.
@@ -9,6 +10,14 @@ struct Pass {
     // Bit 0: there is a picture. 1: the overlay's colours are still sRGB.
     flags: u32,
     disc_count: u32,
+    // What the picture's light is multiplied with.
+    exposure: f32,
+    // Where the filmic curve bends, what light it shows as 1, and that on the shoulder's own scale.
+    knee: f32,
+    white: f32,
+    shoulder_end: f32,
+    // Light of each channel at signal 0, where the table begins.
+    black: vec4f,
     discs: array<Disc, 16>,
 }
 
@@ -21,10 +30,16 @@ struct Disc {
 
 // Whether the target's own format does not encode as sRGB, so that the shader must.
 override ENCODES: bool = true;
+// Constants, because software devices run every branch for every pixel.
+override FILMIC: bool = false;
+// Whether the display's transfer is a table instead of sRGB.
+override TABLE: bool = false;
 
 @group(0) @binding(0) var<uniform> u: Pass;
 @group(0) @binding(1) var picture: texture_2d<f32>;
-@group(0) @binding(2) var overlay: texture_2d<f32>;
+// The signal of each channel from its black to its peak, at even steps of the fourth root of the light above black.
+@group(0) @binding(2) var signals: texture_2d<f32>;
+@group(0) @binding(3) var overlay: texture_2d<f32>;
 
 fn linear_from_srgb(c: vec3f) -> vec3f {
     let high = pow((c + 0.055) / 1.055, vec3f(2.4));
@@ -45,11 +60,37 @@ fn inside(px: vec2i, size: vec2i) -> bool {
     return all(px >= vec2i(0)) && all(px < size);
 }
 
+// As `ToneMap::shown` in `tone.rs`.
+fn filmic(light: vec3f) -> vec3f {
+    let t = max(clamp(light, vec3f(0.0), vec3f(u.white)) - u.knee, vec3f(0.0)) / (1.0 - u.knee);
+    let shoulder = t * (1.0 + t / (u.shoulder_end * u.shoulder_end)) / (1.0 + t);
+    return clamp(light, vec3f(0.0), vec3f(u.knee)) + (1.0 - u.knee) * shoulder;
+}
+
+// What to send to a display with a table: linear between its entries.
+fn signal_from_light(light: vec3f) -> vec3f {
+    let last = i32(textureDimensions(signals).x) - 1;
+    let above_black = clamp((light - u.black.rgb) / (1.0 - u.black.rgb), vec3f(0.0), vec3f(1.0));
+    let place = sqrt(sqrt(above_black)) * f32(last);
+    let below = min(vec3i(place), vec3i(last - 1));
+    let share = place - vec3f(below);
+    let low = vec3f(entry(below.x).r, entry(below.y).g, entry(below.z).b);
+    let high = vec3f(entry(below.x + 1).r, entry(below.y + 1).g, entry(below.z + 1).b);
+    return mix(low, high, share);
+}
+
+fn entry(index: i32) -> vec3f {
+    return textureLoad(signals, vec2i(index, 0), 0).rgb;
+}
+
 fn background_at(px: vec2i) -> vec3f {
     let in_picture = centred(px, u.picture_size);
     var colour = u.colour.rgb;
     if (u.flags & 1u) != 0u && inside(in_picture, u.picture_size) {
-        colour = textureLoad(picture, in_picture, 0).rgb;
+        colour = textureLoad(picture, in_picture, 0).rgb * u.exposure;
+        if FILMIC {
+            colour = filmic(colour);
+        }
     }
     return clamp(colour, vec3f(0.0), vec3f(1.0));
 }
@@ -84,6 +125,11 @@ fn with_discs(px: vec2i) -> vec3f {
 }
 
 fn encoded(colour: vec3f) -> vec4f {
+    if TABLE {
+        let signal = signal_from_light(colour);
+        // A target that encodes as sRGB by itself is given what it encodes into the signal.
+        return vec4f(select(linear_from_srgb(signal), signal, ENCODES), 1.0);
+    }
     if ENCODES {
         return vec4f(srgb_from_linear(colour), 1.0);
     }

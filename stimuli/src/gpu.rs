@@ -100,9 +100,10 @@ impl Gpu {
         // Ask for timing where it exists, and for everything the adapter's limits allow.
         let timing = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         let timestamps = adapter.features().contains(timing);
+        let early_depth = adapter.features() & wgpu::Features::SHADER_EARLY_DEPTH_TEST;
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("parafovea"),
-            required_features: if timestamps { timing } else { wgpu::Features::empty() },
+            required_features: early_depth | if timestamps { timing } else { wgpu::Features::empty() },
             required_limits: adapter.limits(),
             ..Default::default()
         }))

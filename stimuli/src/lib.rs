@@ -13,7 +13,9 @@ pub mod geometry;
 pub mod gpu;
 pub mod readback;
 pub mod registry;
+pub mod surfaces;
 pub mod tally;
+pub mod tone;
 
 #[allow(dead_code, reason = "being built")]
 mod mesh_scene;

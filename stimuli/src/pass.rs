@@ -204,6 +204,15 @@ pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
 /// A texture of half floats from RGBA values, row by row from the top.
 pub(crate) fn half_texture(gpu: &Gpu, label: &str, size: [u32; 2], rgba: &[[f32; 4]]) -> wgpu::Texture {
     let halves: Vec<u16> = rgba.iter().flatten().map(|&x| half::f16::from_f32(x).to_bits()).collect();
+    filled_texture(gpu, label, size, LINEAR_FORMAT, bytemuck::cast_slice(&halves))
+}
+
+/// A texture of full floats from RGBA values, row by row from the top; it is read by texel, never filtered.
+pub(crate) fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2], rgba: &[[f32; 4]]) -> wgpu::Texture {
+    filled_texture(gpu, label, size, wgpu::TextureFormat::Rgba32Float, bytemuck::cast_slice(rgba))
+}
+
+fn filled_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat, texels: &[u8]) -> wgpu::Texture {
     gpu.device.create_texture_with_data(
         &gpu.queue,
         &wgpu::TextureDescriptor {
@@ -212,12 +221,12 @@ pub(crate) fn half_texture(gpu: &Gpu, label: &str, size: [u32; 2], rgba: &[[f32;
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: LINEAR_FORMAT,
+            format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         },
         wgpu::util::TextureDataOrder::LayerMajor,
-        bytemuck::cast_slice(&halves),
+        texels,
     )
 }
 
@@ -257,21 +266,27 @@ mod tests {
             ("mesh scene", crate::mesh_scene::raster::WGSL),
             ("mesh scene, counted", crate::mesh_scene::raster::COUNTED_WGSL),
             ("mesh scene's shadow", crate::mesh_scene::shadow::WGSL),
+            ("campbell_robson", crate::scenes::campbell_robson::WGSL),
             ("noise", crate::scenes::noise::WGSL),
             ("orbit", crate::scenes::orbit::WGSL),
             ("photo", crate::scenes::photo::WGSL),
+            ("zone_plate", crate::scenes::zone_plate::WGSL),
             ("falloff", crate::renderers::falloff::WGSL),
-            ("layers", crate::renderers::layers::WGSL),
             ("low_passed", crate::renderers::low_passed::WGSL),
             ("ring", crate::renderers::ring::WGSL),
             ("tally", crate::tally::WGSL),
         ];
-        for (name, wgsl) in shaders {
-            let source = format!("{GEOMETRY_WGSL}\n{wgsl}");
+        let capabilities = naga::valid::Capabilities::default() | naga::valid::Capabilities::EARLY_DEPTH_TEST;
+        let complete = [
+            ("shading of surfaces", crate::surfaces::SHADING_WGSL.to_owned()),
+            ("rays", crate::surfaces::RAYS_WGSL.to_owned()),
+        ];
+        let shaders = shaders.into_iter().chain(crate::renderers::layers::SHADERS);
+        let with_geometry = shaders.map(|(name, wgsl)| (name, format!("{GEOMETRY_WGSL}\n{wgsl}")));
+        for (name, source) in with_geometry.chain(complete) {
             let module = naga::front::wgsl::parse_str(&source)
                 .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
-            let mut validator =
-                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+            let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
             if let Err(error) = validator.validate(&module) {
                 panic!("{name}: {}", error.emit_to_string(&source));
             }

@@ -26,6 +26,8 @@ const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
     (scenes::tunnel::maps::info, scenes::tunnel::maps::make),
     (scenes::voxel_town::info, scenes::voxel_town::make),
     (scenes::engine_room::info, scenes::engine_room::make),
+    (scenes::campbell_robson::info, scenes::campbell_robson::make),
+    (scenes::zone_plate::info, scenes::zone_plate::make),
 ];
 
 const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[

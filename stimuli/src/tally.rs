@@ -48,6 +48,24 @@ impl Counts {
     pub fn pixels(&self) -> u64 {
         self.draws.iter().map(|draw| u64::from(draw.pixels)).sum()
     }
+
+    /// What was counted after `before`, which is of the same tally.
+    #[must_use]
+    pub fn since(&self, before: &Self) -> Self {
+        // Counters of the GPU begin again at zero after 2^32, and so does their difference.
+        let less = |now: u32, then: Option<u32>| now.wrapping_sub(then.unwrap_or(0));
+        let draws = self.draws.iter().enumerate().map(|(i, now)| {
+            let then = before.draws.get(i);
+            DrawCount {
+                pixels: less(now.pixels, then.map(|count| count.pixels)),
+                runs: less(now.runs, then.map(|count| count.runs)),
+            }
+        });
+        Self {
+            draws: draws.collect(),
+            runs: self.runs.iter().enumerate().map(|(i, &now)| less(now, before.runs.get(i).copied())).collect(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]

@@ -102,6 +102,6 @@ pub struct Seen<'a> {
 pub struct Picture<'a> {
     /// Width and height in pixels.
     pub size_px: [u32; 2],
-    /// 8-bit sRGB with alpha, row by row from the top, four bytes a pixel.
+    /// 8-bit values as sent to the display, with alpha, row by row from the top, four bytes a pixel.
     pub rgba: &'a [u8],
 }

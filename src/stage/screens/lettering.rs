@@ -10,14 +10,14 @@ const OTHER_SIZE: f32 = 1.4;
 
 /// The faces that screens are set in.
 #[derive(Debug)]
-pub(super) struct Lettering<'a> {
+pub(crate) struct Lettering<'a> {
     main: FontRef<'a>,
     other: FontRef<'a>,
 }
 
 /// Where a line stands, px from the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// It begins here.
     Left(f64),
     /// Its middle is here.
@@ -28,7 +28,7 @@ pub(super) enum Place {
 
 impl Lettering<'static> {
     /// The faces that ship with the program; nothing if they cannot be read.
-    pub(super) fn load() -> Option<Self> {
+    pub(crate) fn load() -> Option<Self> {
         let face = |bytes: &'static [u8]| FontRef::try_from_slice(bytes).ok();
         Some(Self { main: face(epaint_default_fonts::UBUNTU_LIGHT)?, other: face(epaint_default_fonts::HACK_REGULAR)? })
     }
@@ -36,22 +36,22 @@ impl Lettering<'static> {
 
 impl Lettering<'_> {
     /// The heavier face, for a letter that stands alone.
-    pub(super) fn heavy(&self) -> &impl Font {
+    pub(crate) fn heavy(&self) -> &impl Font {
         &self.other
     }
 
     /// The width of a line, px.
-    pub(super) fn width(&self, line: &str, line_px: f64) -> f64 {
+    pub(crate) fn width(&self, line: &str, line_px: f64) -> f64 {
         self.set(line, line_px, |_, _| {})
     }
 
     /// The width of the widest line, px.
-    pub(super) fn widest(&self, lines: &[String], line_px: f64) -> f64 {
+    pub(crate) fn widest(&self, lines: &[String], line_px: f64) -> f64 {
         lines.iter().map(|line| self.width(line, line_px)).fold(0.0, f64::max)
     }
 
     /// Draws a line whose upper edge is at `top`.
-    pub(super) fn line(&self, picture: &mut RgbaImage, line: &str, line_px: f64, place: Place, top: f64, ink: [u8; 3]) {
+    pub(crate) fn line(&self, picture: &mut RgbaImage, line: &str, line_px: f64, place: Place, top: f64, ink: [u8; 3]) {
         let left = match place {
             Place::Left(x) => x,
             Place::Middle(x) => x - 0.5 * self.width(line, line_px),
@@ -72,7 +72,7 @@ impl Lettering<'_> {
     }
 
     /// Draws lines below each other, the first one's upper edge at `top`.
-    pub(super) fn block(
+    pub(crate) fn block(
         &self,
         picture: &mut RgbaImage,
         lines: &[String],
@@ -108,7 +108,7 @@ impl Lettering<'_> {
     }
 
     /// Breaks text into lines no wider than `room_px` where words allow; its own line breaks stay.
-    pub(super) fn wrap(&self, text: &str, line_px: f64, room_px: f64) -> Vec<String> {
+    pub(crate) fn wrap(&self, text: &str, line_px: f64, room_px: f64) -> Vec<String> {
         let mut lines = Vec::new();
         for paragraph in text.split('\n') {
             let mut line = String::new();

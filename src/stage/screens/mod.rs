@@ -3,7 +3,7 @@
 //! Sizes are in degrees, so that text is as large to the eye on every display; it only shrinks where a display is too
 //! small to hold it. `lettering` sets type; what moves or is shaded is not drawn here but by the display pass.
 
-mod lettering;
+pub(crate) mod lettering;
 mod mark;
 mod scale;
 

@@ -21,5 +21,5 @@ fn colour_with_holes_counted(covered: Covered) -> @location(0) vec4f {
 @early_depth_test(force)
 fn sky_colour_counted(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     count_run(display_px(clip));
-    return sky_colour(clip);
+    return sky_light(clip);
 }

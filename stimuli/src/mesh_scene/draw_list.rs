@@ -103,7 +103,7 @@ impl DrawList {
 }
 
 /// The box around a box that was moved.
-fn moved_box([low, high]: [Vec3; 2], place: &Affine3A) -> [Vec3; 2] {
+pub(super) fn moved_box([low, high]: [Vec3; 2], place: &Affine3A) -> [Vec3; 2] {
     let middle = place.transform_point3(0.5 * (low + high));
     let half = 0.5 * (high - low);
     let [x, y, z] = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis].map(Vec3::from);

@@ -30,7 +30,7 @@ struct FrameUniform {
     shadow_texel_m: f32,
     pattern_samples: u32,
     sky_levels: u32,
-    reserved: u32,
+    four: u32,
 }
 
 /// `Object` of `world.wgsl`.
@@ -83,7 +83,7 @@ impl Frame {
             shadow_texel_m: shadow.texel_m(),
             pattern_samples: world.pattern_samples,
             sky_levels: on_gpu.sky_levels,
-            reserved: 0,
+            four: 4,
         };
         let places: Vec<Affine3A> = world.objects.iter().map(|object| object.motion.at(request.animation_s)).collect();
         let records = object_records(world, &places, request.animation_s, then_s);

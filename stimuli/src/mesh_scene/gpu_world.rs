@@ -280,7 +280,7 @@ impl Layouts {
 }
 
 /// A buffer of records, one zero record where there are none.
-fn buffer<T: bytemuck::Pod>(gpu: &Gpu, records: &[T], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+pub(super) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, records: &[T], usage: wgpu::BufferUsages) -> wgpu::Buffer {
     let none = [T::zeroed()];
     let contents = bytemuck::cast_slice(if records.is_empty() { &none } else { records });
     gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })

@@ -46,7 +46,7 @@ fn clouds(p: vec3f, width: f32) -> f32 {
     var weight = 0.5;
     var q = p;
     var w = width;
-    for (var octave = 0; octave < 5; octave++) {
+    for (var octave = 0; octave < i32(frame.four) + 1; octave++) {
         let kept = 1.0 - smoothstep(0.5, 1.5, w);
         if kept > 0.0 {
             sum += weight * kept * (noise3(q) - 0.5);

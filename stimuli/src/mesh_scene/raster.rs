@@ -6,6 +6,7 @@ use super::intermediates::{DEPTH_FORMAT, Intermediates};
 use crate::contract::{DrawRequest, LINEAR_FORMAT};
 use crate::geometry::GEOMETRY_WGSL;
 use crate::gpu::Gpu;
+use crate::surfaces::GBuffer;
 use crate::world::mesh::Vertex;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +17,9 @@ pub(crate) const WGSL: &str = concat!(
     "\n",
     include_str!("shading.wgsl"),
     "\n",
-    include_str!("raster.wgsl")
+    include_str!("raster.wgsl"),
+    "\n",
+    include_str!("g_buffer.wgsl")
 );
 pub(crate) const COUNTED_WGSL: &str = concat!(
     include_str!("world.wgsl"),
@@ -32,6 +35,8 @@ pub(crate) const COUNTED_WGSL: &str = concat!(
     include_str!("counted.wgsl")
 );
 
+/// The attribute by which counted shaders have depth tested before.
+const EARLY_DEPTH: &str = "@early_depth_test(force)";
 /// Samples of a multisampled pixel.
 const SAMPLES: u32 = 4;
 
@@ -40,6 +45,37 @@ const SAMPLES: u32 = 4;
 enum Output {
     Colour { samples: u32, counted: bool },
     Motion,
+    Surfaces,
+}
+
+impl Output {
+    fn samples(self) -> u32 {
+        match self {
+            Self::Colour { samples, .. } => samples,
+            Self::Motion | Self::Surfaces => 1,
+        }
+    }
+
+    fn is_counted(self) -> bool {
+        matches!(self, Self::Colour { counted: true, .. })
+    }
+
+    /// Fragment shaders for whole surfaces, for those with holes, and for the sky.
+    fn entries(self) -> [&'static str; 3] {
+        match self {
+            Self::Colour { counted: false, .. } => ["colour", "colour_with_holes", "sky_colour"],
+            Self::Colour { counted: true, .. } => ["colour_counted", "colour_with_holes_counted", "sky_colour_counted"],
+            Self::Motion => ["motion", "motion_with_holes", "sky_motion"],
+            Self::Surfaces => ["surfaces", "surfaces_with_holes", "sky_surfaces"],
+        }
+    }
+
+    fn formats(self) -> Vec<wgpu::TextureFormat> {
+        match self {
+            Self::Colour { .. } | Self::Motion => vec![LINEAR_FORMAT],
+            Self::Surfaces => vec![LINEAR_FORMAT, LINEAR_FORMAT, LINEAR_FORMAT, GBuffer::DEPTH_FORMAT],
+        }
+    }
 }
 
 /// Which pipeline: what it writes, and for which kind of surface; the sky where there is none.
@@ -106,9 +142,38 @@ impl Raster {
         let samples = if request.multisampled { SAMPLES } else { 1 };
         let output = Output::Colour { samples, counted: request.tally.is_some() };
         let counters = request.tally.map(|tally| tally.bind(gpu, &self.tally_layout));
-        self.pass(gpu, encoder, on_gpu, output, [Some(group), counters.as_ref()], list, request, target);
+        self.pass(gpu, encoder, on_gpu, output, [Some(group), counters.as_ref()], list, request, &[target]);
+        self.draw_motion(gpu, encoder, on_gpu, group, list, request);
+    }
+
+    /// Records the drawing of what a list shows, unshaded, and of its motion where that is asked for.
+    #[expect(clippy::too_many_arguments, reason = "a draw is these things")]
+    pub(super) fn draw_surfaces(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        on_gpu: &GpuWorld,
+        group: &wgpu::BindGroup,
+        list: &DrawList,
+        request: &DrawRequest<'_>,
+        targets: &GBuffer,
+    ) {
+        let views = targets.targets().map(|(view, _)| view);
+        self.pass(gpu, encoder, on_gpu, Output::Surfaces, [Some(group), None], list, request, &views);
+        self.draw_motion(gpu, encoder, on_gpu, group, list, request);
+    }
+
+    fn draw_motion(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        on_gpu: &GpuWorld,
+        group: &wgpu::BindGroup,
+        list: &DrawList,
+        request: &DrawRequest<'_>,
+    ) {
         if let Some(motion) = request.motion {
-            self.pass(gpu, encoder, on_gpu, Output::Motion, [Some(group), None], list, request, motion.target);
+            self.pass(gpu, encoder, on_gpu, Output::Motion, [Some(group), None], list, request, &[motion.target]);
         }
     }
 
@@ -122,28 +187,25 @@ impl Raster {
         groups: [Option<&wgpu::BindGroup>; 2],
         list: &DrawList,
         request: &DrawRequest<'_>,
-        target: &wgpu::TextureView,
+        targets: &[&wgpu::TextureView],
     ) {
-        let samples = match output {
-            Output::Colour { samples, .. } => samples,
-            Output::Motion => 1,
-        };
         self.make_pipelines(gpu, output, list);
-        let texture = target.texture();
-        let intermediate = self.intermediates.of(gpu, [texture.width(), texture.height()], samples);
-        let (view, resolve_target) = match &intermediate.colour {
-            Some(multisampled) => (multisampled, Some(target)),
-            None => (target, None),
-        };
-        let store = if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+        let Some(texture) = targets.first().map(|target| target.texture()) else { return };
+        let intermediate = self.intermediates.of(gpu, [texture.width(), texture.height()], output.samples());
+        let attachments: Vec<_> = targets
+            .iter()
+            .map(|&target| {
+                let (view, resolve_target, store) = match &intermediate.colour {
+                    Some(multisampled) => (multisampled, Some(target), wgpu::StoreOp::Discard),
+                    None => (target, None, wgpu::StoreOp::Store),
+                };
+                let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store };
+                Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops })
+            })
+            .collect();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("mesh scene"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store },
-            })],
+            color_attachments: &attachments,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &intermediate.depth,
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
@@ -178,15 +240,12 @@ impl Raster {
 
     /// Makes what a list needs and is not there yet.
     fn make_pipelines(&mut self, gpu: &Gpu, output: Output, list: &DrawList) {
-        let (colour, holes, sky) = match output {
-            Output::Colour { counted: false, .. } => ("colour", "colour_with_holes", "sky_colour"),
-            Output::Colour { counted: true, .. } => {
-                ("colour_counted", "colour_with_holes_counted", "sky_colour_counted")
-            }
-            Output::Motion => ("motion", "motion_with_holes", "sky_motion"),
-        };
-        if matches!(output, Output::Colour { counted: true, .. }) && self.counted_module.is_none() {
-            self.counted_module = Some(module(gpu, COUNTED_WGSL));
+        let [colour, holes, sky] = output.entries();
+        if output.is_counted() && self.counted_module.is_none() {
+            // Where depth cannot be tested before by command, what is hidden is counted as well.
+            let forced = gpu.device.features().contains(wgpu::Features::SHADER_EARLY_DEPTH_TEST);
+            let attribute = if forced { EARLY_DEPTH } else { "" };
+            self.counted_module = Some(module(gpu, &COUNTED_WGSL.replace(EARLY_DEPTH, attribute)));
         }
         let kinds: BTreeSet<Option<DrawKind>> =
             list.draws.iter().map(|draw| Some(draw.kind)).chain(std::iter::once(None)).collect();
@@ -212,12 +271,8 @@ impl Raster {
         fragment: &str,
         kind: Option<DrawKind>,
     ) -> wgpu::RenderPipeline {
-        let (samples, counted) = match output {
-            Output::Colour { samples, counted } => (samples, counted),
-            Output::Motion => (1, false),
-        };
         let (module, layout) = match &self.counted_module {
-            Some(module) if counted => (module, &self.counted_layout),
+            Some(module) if output.is_counted() => (module, &self.counted_layout),
             _ => (&self.module, &self.layout),
         };
         let corners = [Some(wgpu::VertexBufferLayout {
@@ -225,6 +280,7 @@ impl Raster {
             step_mode: wgpu::VertexStepMode::Vertex,
             attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2],
         })];
+        let targets: Vec<_> = output.formats().into_iter().map(|format| Some(format.into())).collect();
         // What this pipeline need not ask at every pixel.
         let [_, points, areas, _] = self.light_counts;
         let constants = [
@@ -263,12 +319,12 @@ impl Raster {
                 stencil: wgpu::StencilState::default(),
                 bias: wgpu::DepthBiasState::default(),
             }),
-            multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+            multisample: wgpu::MultisampleState { count: output.samples(), ..Default::default() },
             fragment: Some(wgpu::FragmentState {
                 module,
                 entry_point: Some(fragment),
                 compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
-                targets: &[Some(LINEAR_FORMAT.into())],
+                targets: &targets,
             }),
             multiview_mask: None,
             cache: None,

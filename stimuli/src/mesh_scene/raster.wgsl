@@ -7,14 +7,13 @@ struct Corner {
     @location(3) uv: vec2f,
 }
 
-// Places are taken in the pixel's middle, so that their differences between pixels are exact at the edges of triangles, too;
-// directions within the triangle.
 struct Covered {
     @builtin(position) clip: vec4f,
     @location(0) mesh: vec3f,
     @location(1) world: vec3f,
+    // Inside the triangle even at edges, where a normal beyond would sparkle.
     @location(2) @interpolate(perspective, centroid) normal: vec3f,
-    @location(3) @interpolate(perspective, centroid) tangent: vec4f,
+    @location(3) tangent: vec4f,
     @location(4) uv: vec2f,
     @location(5) @interpolate(flat) object: u32,
 }
@@ -101,13 +100,17 @@ fn cover_far(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
     return vec4f(corner * 2.0 - 1.0, 0.0, 1.0);
 }
 
-@fragment
-fn sky_colour(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+fn sky_light(clip: vec4f) -> vec4f {
     let ray = ray_through(display_px(clip));
     // The level whose texels are about as large as the pixel.
     let pixel_rad = length(frame.geometry.pitch_per_distance * frame.step_px) * 0.7 / length(ray);
     let texel_rad = PI / f32(textureDimensions(sky_map).y);
     return half_colour(sky_in_direction(normalize(ray), max(log2(pixel_rad / texel_rad), 0.0)));
+}
+
+@fragment
+fn sky_colour(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    return sky_light(clip);
 }
 
 @fragment

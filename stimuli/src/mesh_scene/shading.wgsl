@@ -48,42 +48,37 @@ fn data_of_map(map: i32, place: Place) -> vec4f {
     return textureSampleLevel(data_maps, map_sampler, place.uv, map, level);
 }
 
-// The pattern in a pixel: the average over points spread in the pixel's footprint.
-fn pattern_in_pixel(m: Material, place: Place) -> f32 {
+// A pattern in a pixel, and how it changes to the right and down: averages over points spread in the pixel's footprint.
+// The changes are wanted for relief only. One place calls `pattern_at`, because compilers copy it to each.
+fn pattern_in_pixel(m: Material, place: Place, relief: bool) -> vec3f {
     let samples = max(frame.pattern_samples, 1u);
     let footprint = max(length(place.mesh_dx), length(place.mesh_dy));
     let width = footprint * m.pattern_scale / sqrt(f32(samples));
-    var sum = 0.0;
-    for (var i = 0u; i < samples; i++) {
+    var sums = vec3f(0.0);
+    let count = samples * select(1u, 3u, relief);
+    for (var i = 0u; i < count; i++) {
         // The additive recurrence of Roberts (2018), which fills the square evenly; one sample is the middle.
-        let offset = fract(0.5 + vec2f(0.75487767, 0.56984029) * f32(i)) - 0.5;
+        let part = i / samples;
+        var offset = fract(0.5 + vec2f(0.75487767, 0.56984029) * f32(i - part * samples)) - 0.5;
+        offset += vec2f(f32(part == 1u), f32(part == 2u));
         let at = PatternPoint(
             place.mesh + offset.x * place.mesh_dx + offset.y * place.mesh_dy,
-            place.world,
+            place.world + offset.x * place.world_dx + offset.y * place.world_dy,
             place.uv + offset.x * place.uv_dx + offset.y * place.uv_dy,
             place.normal,
         );
-        sum += pattern_at(pattern_kind(m), at, m.pattern_scale, width);
+        let share = pattern_at(pattern_kind(m), at, m.pattern_scale, width) / f32(samples);
+        sums += select(vec3f(0.0), vec3f(share), vec3u(part) == vec3u(0u, 1u, 2u));
     }
-    return sum / f32(samples);
+    return sums;
 }
 
 // The normal tilted by a pattern's relief, from the heights one pixel further right and down (Mikkelsen, "Bump Mapping
 // Unparametrized Surfaces on the GPU", 2010). The second colour lies deeper.
-fn relief_normal(m: Material, place: Place) -> vec3f {
+fn relief_normal(m: Material, place: Place, shares: vec3f) -> vec3f {
     let width = max(length(place.mesh_dx), length(place.mesh_dy)) * m.pattern_scale;
     let fade = 1.0 - smoothstep(0.1, 0.5, width);
-    if fade <= 0.0 {
-        return place.normal;
-    }
-    var right = PatternPoint(place.mesh + place.mesh_dx, place.world + place.world_dx, place.uv + place.uv_dx, place.normal);
-    var down = PatternPoint(place.mesh + place.mesh_dy, place.world + place.world_dy, place.uv + place.uv_dy, place.normal);
-    let here = PatternPoint(place.mesh, place.world, place.uv, place.normal);
-    let depth = pattern_at(pattern_kind(m), here, m.pattern_scale, width);
-    let slope = vec2f(
-        depth - pattern_at(pattern_kind(m), right, m.pattern_scale, width),
-        depth - pattern_at(pattern_kind(m), down, m.pattern_scale, width),
-    ) * fade * m.pattern_relief / m.pattern_scale;
+    let slope = (shares.x - shares.yz) * fade * m.pattern_relief / m.pattern_scale;
     let across = cross(place.world_dy, place.normal);
     let along = cross(place.normal, place.world_dx);
     let area = dot(place.world_dx, across);
@@ -127,16 +122,18 @@ fn surface_at(place: Place) -> Surface {
     s.roughness = m.roughness;
     s.metalness = m.metalness;
     s.emission = m.emission;
-    s.open = abs(place.tangent.w);
+    // Beyond a triangle's edge it may come out above 1.
+    s.open = min(abs(place.tangent.w), 1.0);
     if HAS_MAPS {
         s = with_maps(s, m, place);
     }
     if pattern_kind(m) != 0u {
-        let share = pattern_in_pixel(m, place);
-        s.albedo = mix(s.albedo, m.pattern_colour, m.pattern_strength * share);
-        s.roughness = clamp(s.roughness + m.pattern_roughness * share, 0.0, 1.0);
-        if HAS_RELIEF && m.pattern_relief != 0.0 {
-            s.normal = relief_normal(m, place);
+        let relief = HAS_RELIEF && m.pattern_relief != 0.0;
+        let shares = pattern_in_pixel(m, place, relief);
+        s.albedo = mix(s.albedo, m.pattern_colour, m.pattern_strength * shares.x);
+        s.roughness = clamp(s.roughness + m.pattern_roughness * shares.x, 0.0, 1.0);
+        if relief {
+            s.normal = relief_normal(m, place, shares);
         }
     }
     s.roughness = clamp(s.roughness, 0.03, 1.0);
@@ -177,7 +174,7 @@ fn sunlit(at: vec3f, normal: vec3f) -> f32 {
     }
     let texel = 1.0 / f32(textureDimensions(shadow_map).x);
     var sum = 0.0;
-    for (var i = 0u; i < 4u; i++) {
+    for (var i = 0u; i < frame.four; i++) {
         let corner = place.xy + (vec2f(f32(i & 1u), f32(i >> 1u)) - 0.5) * texel;
         sum += textureSampleCompareLevel(shadow_map, shadow_sampler, corner, place.z);
     }
@@ -222,7 +219,7 @@ fn from_area(s: Surface, light: Light) -> vec3f {
     var sum = vec3f(0.0);
     var matt = s;
     matt.roughness = max(s.roughness, 0.5);
-    for (var i = 0u; i < 4u; i++) {
+    for (var i = 0u; i < frame.four; i++) {
         let corner = vec2f(f32(i & 1u), f32(i >> 1u)) - 0.5;
         let to = light.at.xyz + corner.x * right + corner.y * up - s.at;
         let d2 = max(dot(to, to), 1e-4);

@@ -30,7 +30,8 @@ struct Frame {
     pattern_samples: u32,
     // Levels of the sky's pyramid.
     sky_levels: u32,
-    reserved: u32,
+    // 4, where a compiler must not know it: it would write loops out, and then take seconds for each material.
+    four: u32,
 }
 
 struct Object {

@@ -1,6 +1,8 @@
 //! The scenes, one Rust file and one WGSL file each. Add a line to [`crate::registry`] for a new one.
 
 pub(crate) mod atrium;
+pub(crate) mod campbell_robson;
+mod coloured;
 pub(crate) mod engine_room;
 pub(crate) mod grid_world;
 pub(crate) mod noise;
@@ -12,6 +14,7 @@ pub(crate) mod tunnel;
 pub(crate) mod voxel_town;
 #[cfg(test)]
 mod worlds_tests;
+pub(crate) mod zone_plate;
 
 use crate::contract::{DrawCost, DrawRequest, View};
 use crate::gpu::Gpu;
@@ -29,6 +32,14 @@ impl ViewUniform {
     pub(crate) fn new(view: &View) -> Self {
         Self { origin_px: view.origin_px.map(|x| x as f32), step_px: view.step_px().map(|x| x as f32) }
     }
+}
+
+/// What is left of a wave of `per_px` cycles for each display pixel when the display pixels under a target pixel of
+/// `step_px` are averaged: as many samples as there are, evenly spaced. 1 at the display's own pixels.
+pub(crate) fn averaged(per_px: f64, step_px: f64) -> f64 {
+    let samples = (step_px - 1e-3).ceil().max(1.0);
+    let below = samples * (std::f64::consts::PI * per_px * step_px / samples).sin();
+    if below.abs() < 1e-9 { 1.0 } else { (std::f64::consts::PI * per_px * step_px).sin() / below }
 }
 
 /// Counts a view whose every pixel was shaded once, where that is asked for.

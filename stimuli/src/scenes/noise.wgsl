@@ -1,4 +1,5 @@
-// White noise: one independent grey for every pixel of the display, also beyond its edges.
+// White noise: one independent grey for every pixel of the display, also beyond its edges; or a tile of coloured noise,
+// again and again.
 
 struct Noise {
     origin_px: vec2f,
@@ -9,6 +10,8 @@ struct Noise {
 }
 
 @group(0) @binding(0) var<uniform> u: Noise;
+// As wide and high as a power of two.
+@group(0) @binding(1) var tile: texture_2d<f32>;
 
 // The three-dimensional PCG hash of Jarzynski and Olano, "Hash Functions for GPU Rendering" (JCGT 9(3), 2020).
 fn pcg3d(key: vec3u) -> vec3u {
@@ -43,4 +46,19 @@ fn noise(@builtin(position) position: vec4f) -> @location(0) vec4f {
     }
     let mean = sum / f32(samples.x * samples.y);
     return half_colour(vec3f(0.5 + u.contrast * (mean - 0.5)));
+}
+
+@fragment
+fn coloured(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let samples = max(vec2i(ceil(u.step_px - 1e-3)), vec2i(1));
+    let corner = u.origin_px + (position.xy - 0.5) * u.step_px;
+    let wrap = vec2i(textureDimensions(tile)) - 1;
+    var sum = 0.0;
+    for (var j = 0; j < samples.y; j++) {
+        for (var i = 0; i < samples.x; i++) {
+            let place = corner + (vec2f(f32(i), f32(j)) + 0.5) / vec2f(samples) * u.step_px;
+            sum += textureLoad(tile, vec2i(floor(place)) & wrap, 0).r;
+        }
+    }
+    return half_colour(vec3f(sum / f32(samples.x * samples.y)));
 }

@@ -13,7 +13,7 @@ use experiments::display::Display;
 use glam::{DQuat, DVec3, Vec3, Vec4};
 use std::f64::consts::{PI, TAU};
 
-pub(crate) const WGSL: &str = include_str!("orbit.wgsl");
+pub(crate) const WGSL: &str = concat!(include_str!("orbit.wgsl"), "\n", include_str!("orbit_motion.wgsl"));
 
 /// Linear radiance of a park, longitude by colatitude; its licence is in `assets/LICENSES.md`.
 const ENVIRONMENT: &[u8] = include_bytes!("../../assets/environments/park.exr");
@@ -113,12 +113,18 @@ struct Uniform {
     columns: [[f32; 4]; COLUMNS],
     block_middles: [[f32; 4]; 5],
     block_halves: [[f32; 4]; 5],
+    /// From the camera of the time since which motion is asked for to this one, and that camera's axes.
+    come: Vec4,
+    earlier_right: Vec4,
+    earlier_up: Vec4,
+    earlier_forward: Vec4,
 }
 
 struct Orbit {
     identity: SceneIdentity,
     display: Display,
     pipeline: wgpu::RenderPipeline,
+    motion_pipeline: wgpu::RenderPipeline,
     environment: wgpu::TextureView,
     light: Light,
     motion: Motion,
@@ -171,6 +177,7 @@ pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Res
         identity: SceneIdentity::new(),
         display: display.clone(),
         pipeline: pass::pipeline(gpu, "orbit", WGSL, "orbit", crate::LINEAR_FORMAT),
+        motion_pipeline: pass::pipeline(gpu, "orbit's motion", WGSL, "motion", crate::LINEAR_FORMAT),
         environment: pass::view(&pass::half_texture(gpu, "environment", size, &texels)),
         light: Light::of(&radiance, size),
         motion: Motion::read(parameters)?,
@@ -240,8 +247,17 @@ fn harmonic_basis(d: Vec3) -> [f32; 9] {
     [1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.x * d.z, d.x * d.x - d.y * d.y]
 }
 
+/// Where the camera is, and the directions in which it sees right, up and ahead.
+#[derive(Debug, Clone, Copy)]
+struct Camera {
+    eye: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+}
+
 impl Orbit {
-    fn uniform(&self, view: &View, animation_s: f64) -> Uniform {
+    fn camera(&self, animation_s: f64) -> Camera {
         // The camera circles the court within its columns' ring and looks slightly down, bobbing once a turn and a half.
         let angle = (self.camera_start_deg + self.motion.along_deg(animation_s)).to_radians();
         let height = 1.75 + 0.25 * (1.5 * angle).sin();
@@ -249,7 +265,12 @@ impl Orbit {
         let ahead = (DVec3::new(0.0, 1.25, 0.0) - eye).normalize();
         let forward = DQuat::from_rotation_y(self.motion.aside_deg(animation_s).to_radians()) * ahead;
         let right = forward.cross(DVec3::Y).normalize();
-        let up = right.cross(forward);
+        Camera { eye, right, up: right.cross(forward), forward }
+    }
+
+    fn uniform(&self, view: &View, animation_s: f64, since_s: f64) -> Uniform {
+        let Camera { eye, right, up, forward } = self.camera(animation_s);
+        let earlier = self.camera(since_s);
         let extend = |v: DVec3| v.as_vec3().extend(0.0);
         let column = |i: usize| {
             let angle = (i as f64 + 0.5) / COLUMNS as f64 * TAU;
@@ -270,6 +291,10 @@ impl Orbit {
             columns: std::array::from_fn(column),
             block_middles: BLOCK_MIDDLES,
             block_halves: BLOCK_HALVES,
+            come: extend(eye - earlier.eye),
+            earlier_right: extend(earlier.right),
+            earlier_up: extend(earlier.up),
+            earlier_forward: extend(earlier.forward),
         }
     }
 }
@@ -283,9 +308,14 @@ impl Scene for Orbit {
         target: &wgpu::TextureView,
     ) -> Result<DrawCost, RenderError> {
         let view = &request.view;
-        let uniform = pass::uniform(gpu, &self.uniform(view, request.animation_s));
+        let since_s = request.motion.map_or(request.animation_s, |motion| motion.since_s);
+        let uniform = pass::uniform(gpu, &self.uniform(view, request.animation_s, since_s));
         let bind_group = pass::bind(gpu, &self.pipeline, &uniform, &[&self.environment]);
         pass::draw(encoder, &self.pipeline, &bind_group, target, Extent::Corner(view.target_px));
+        if let Some(motion) = request.motion {
+            let bind_group = pass::bind(gpu, &self.motion_pipeline, &uniform, &[]);
+            pass::draw(encoder, &self.motion_pipeline, &bind_group, motion.target, Extent::Corner(view.target_px));
+        }
         super::tally_view(gpu, encoder, request);
         Ok(DrawCost { rays_traced: view.pixels(), ..DrawCost::of_pixels(view) })
     }
@@ -298,3 +328,6 @@ impl Scene for Orbit {
         self.identity
     }
 }
+
+#[cfg(test)]
+mod tests;

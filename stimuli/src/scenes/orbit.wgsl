@@ -23,6 +23,11 @@ struct Orbit {
     // Middle of a block, and half its size.
     block_middles: array<vec4f, 5>,
     block_halves: array<vec4f, 5>,
+    // From the earlier camera to this one, and the earlier one's axes.
+    come: vec4f,
+    earlier_right: vec4f,
+    earlier_up: vec4f,
+    earlier_forward: vec4f,
 }
 
 @group(0) @binding(0) var<uniform> u: Orbit;

@@ -17,7 +17,7 @@ const WORLDS: [(fn() -> SceneInfo, Build, [usize; 2]); 6] = [
     (atrium::info, atrium::world, [150, 450]),
     (tunnel::geom::info, tunnel::geom::world, [200, 320]),
     (tunnel::maps::info, tunnel::maps::world, [60, 300]),
-    (voxel_town::info, voxel_town::world, [150, 600]),
+    (voxel_town::info, voxel_town::world, [150, 700]),
     (engine_room::info, engine_room::world, [200, 600]),
 ];
 

@@ -18,7 +18,8 @@ pub(crate) struct Panorama {
 impl Panorama {
     /// A panorama that shows the same everywhere.
     pub(crate) fn uniform(radiance: Vec3) -> Self {
-        Self { size: [2, 1], radiance: vec![radiance; 2] }
+        // So many pixels that the sky's integrals are good to a thousandth.
+        Self { size: [32, 16], radiance: vec![radiance; 32 * 16] }
     }
 
     /// A panorama of `width` × `width`/2 pixels from the radiance in every direction.
@@ -133,8 +134,10 @@ impl Environment {
         let mut harmonics = [Vec3::ZERO; 9];
         for (&light, i) in panorama.radiance.iter().zip(0..) {
             let d = direction(i, panorama.size);
-            let sin_theta = (1.0 - d.y * d.y).max(0.0).sqrt();
-            let solid_angle = (sin_theta * PI / f64::from(height) * TAU / f64::from(width)) as f32;
+            // That of the pixel exactly: the sphere's area between two colatitudes is the difference of their cosines.
+            let row = f64::from(i / width);
+            let [above, below] = [row, row + 1.0].map(|edge| (edge / f64::from(height) * PI).cos());
+            let solid_angle = ((above - below) * TAU / f64::from(width)) as f32;
             let d = d.as_vec3();
 
             // What is brighter than the threshold shines as the sun.

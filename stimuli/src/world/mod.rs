@@ -4,6 +4,7 @@
 //! Lengths are metres, y points up, light is linear and relative: a white surface in full light comes out near 1 after
 //! the world's exposure.
 
+pub(crate) mod bvh;
 pub(crate) mod camera;
 pub(crate) mod environment;
 pub(crate) mod light;

@@ -38,8 +38,8 @@ pub(crate) fn surface(columns: u32, rows: u32, place_of: impl Fn(Vec2) -> Vec3) 
             let along_u = place_of(Vec2::new(high.x, uv.y)) - place_of(Vec2::new(low.x, uv.y));
             let along_v = place_of(Vec2::new(uv.x, high.y)) - place_of(Vec2::new(uv.x, low.y));
             let mut normal = along_u.cross(along_v).normalize_or_zero();
-            if normal == Vec3::ZERO {
-                // A pole: the normal a little beside it.
+            if along_u.length_squared().min(along_v.length_squared()) < 1e-9 {
+                // A pole, but for rounding: the normal a little beside it.
                 let beside = uv.lerp(Vec2::splat(0.5), 4.0 * H);
                 let du = place_of(beside + Vec2::X * H) - place_of(beside - Vec2::X * H);
                 let dv = place_of(beside + Vec2::Y * H) - place_of(beside - Vec2::Y * H);

@@ -44,10 +44,12 @@ fn the_same_input_gives_the_same_bytes_whatever_came_before() {
         used.frame(&looking_at([-7.0, 4.0]));
         used.renderer.set_parameters(&none).unwrap();
         used.frame(&FrameInput { animation_s: 9.0, ..frame });
+        used.renderer.begin();
         assert_eq!(used.frame(&frame).0, fresh, "{scene} under {renderer}");
         // Another scene through the same renderer, and back.
         let mut other = make_scene(gpu(), &display, "noise", &numbers([("seed", 77.0)])).unwrap();
         used.renderer.render(gpu(), other.as_mut(), &frame).unwrap();
+        used.renderer.begin();
         assert_eq!(used.frame(&frame).0, fresh, "{scene} under {renderer}, after another scene");
     }
 }
@@ -92,6 +94,7 @@ fn parameters_can_change_between_frames() {
         assert_eq!(setup.frame(&frame).0, fresh);
         let wrong = Parameters::from([(name.to_owned(), ParameterValue::Number(-1.0))]);
         assert_eq!(setup.renderer.set_parameters(&wrong).unwrap_err().len(), 1);
+        setup.renderer.begin();
         assert_eq!(setup.frame(&frame).0, fresh, "a refused parameter changes nothing");
         setup.renderer.set_parameters(&none).unwrap();
         assert_eq!(setup.frame(&frame).0, first);

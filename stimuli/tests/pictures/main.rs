@@ -4,10 +4,12 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 
+mod charts;
 mod common;
 mod contract;
 mod falloff;
 mod layers;
+mod light;
 mod oracle;
 mod ring;
 mod scenes;

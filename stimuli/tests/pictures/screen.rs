@@ -4,7 +4,7 @@ use crate::common::gpu;
 use image::{Rgba, RgbaImage};
 use stimuli::display_pass::{linear_from_srgb8, overlay_texture};
 use stimuli::readback::{displayed, linear_texture_from, rgba8};
-use stimuli::{Background, Disc, DisplayPass};
+use stimuli::{Background, Disc, DisplayPass, SceneLight};
 
 const FORMATS: [wgpu::TextureFormat; 4] = [
     wgpu::TextureFormat::Rgba8Unorm,
@@ -22,7 +22,8 @@ fn linear_light_is_encoded_alike_in_every_format() {
     let picture = linear_texture_from(gpu(), [7, 1], &rgba);
     for format in FORMATS {
         let pass = DisplayPass::new(gpu(), format);
-        let shown = displayed(gpu(), &pass, [7, 1], Background::Picture(&picture), None).unwrap();
+        let shown =
+            displayed(gpu(), &pass, [7, 1], Background::Picture(&picture, SceneLight::default()), None).unwrap();
         for (pixel, expected) in shown.pixels().zip(expected) {
             assert!(pixel[0].abs_diff(expected) <= 1, "{format:?}: {pixel:?} is not {expected}");
             assert!(pixel[1].abs_diff(124) <= 1 && pixel[2] == 0 && pixel[3] == 255, "{format:?}: {pixel:?}");
@@ -35,7 +36,7 @@ fn every_code_value_survives_the_round_trip() {
     let rgba: Vec<f32> = (0..=255).flat_map(|v| [linear_from_srgb8(v), 0.0, 0.0, 1.0]).collect();
     let picture = linear_texture_from(gpu(), [256, 1], &rgba);
     let pass = DisplayPass::new(gpu(), wgpu::TextureFormat::Rgba8Unorm);
-    let shown = displayed(gpu(), &pass, [256, 1], Background::Picture(&picture), None).unwrap();
+    let shown = displayed(gpu(), &pass, [256, 1], Background::Picture(&picture, SceneLight::default()), None).unwrap();
     for (pixel, value) in shown.pixels().zip(0..=255) {
         assert_eq!(pixel[0], value);
     }
@@ -90,12 +91,12 @@ fn an_overlay_stays_in_its_place_whatever_is_clear_around_it() {
 fn a_picture_of_another_size_is_centred_on_black() {
     let picture = linear_texture_from(gpu(), [2, 2], &[1.0; 16]);
     let pass = DisplayPass::new(gpu(), wgpu::TextureFormat::Rgba8Unorm);
-    let shown = displayed(gpu(), &pass, [6, 4], Background::Picture(&picture), None).unwrap();
+    let shown = displayed(gpu(), &pass, [6, 4], Background::Picture(&picture, SceneLight::default()), None).unwrap();
     for (x, y, pixel) in shown.enumerate_pixels() {
         let inside = (2..4).contains(&x) && (1..3).contains(&y);
         assert_eq!(pixel[0], if inside { 255 } else { 0 }, "({x}, {y})");
     }
-    let small = displayed(gpu(), &pass, [1, 1], Background::Picture(&picture), None).unwrap();
+    let small = displayed(gpu(), &pass, [1, 1], Background::Picture(&picture, SceneLight::default()), None).unwrap();
     assert_eq!(small.get_pixel(0, 0)[0], 255);
 }
 
@@ -181,7 +182,7 @@ fn discs_lie_under_the_overlay_in_display_pixels_and_in_order() {
 
     // The display is the picture in the target's middle: its (10, 8) is the target's (20, 16).
     let picture = linear_texture_from(gpu(), [20, 16], &[0.2; 4 * 20 * 16].map(|x: f32| x));
-    let background = Background::Picture(&picture);
+    let background = Background::Picture(&picture, SceneLight::default());
     let discs = [ball([10.0, 8.0], [0, 255, 0]), ball([14.0, 8.0], [255, 0, 0])];
     let shown = with_discs([40, 32], background, &discs, Some(&mark), format);
     assert_eq!(shown.get_pixel(19, 15).0, [0, 0, 255, 255], "the overlay is on top");

@@ -27,7 +27,7 @@ pub fn visibility(seen: &Seen<'_>, sensitivity: &Sensitivity) -> Option<f64> {
     }
     let peak_cd_m2 = seen.display.peak_cd_m2().unwrap_or(DEFAULT_PEAK_CD_M2);
     let felt = |picture: &Picture<'_>| {
-        let light = luminance(picture.size_px, picture.rgba, peak_cd_m2)?;
+        let light = luminance(picture.size_px, picture.rgba, seen.display.transfer(), peak_cd_m2)?;
         Some(bands(light, &FULL_RESOLUTION, sensitivity))
     };
     let (shown, reference) = (felt(&seen.shown)?, felt(&seen.reference)?);

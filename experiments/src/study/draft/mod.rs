@@ -80,7 +80,7 @@ pub enum DisplayChoice {
     /// The name of a display that ships with the program.
     Named(String),
     /// A display's geometry.
-    Described(DisplayDraft),
+    Described(Box<DisplayDraft>),
 }
 
 /// A flat display and the distance it is seen from.
@@ -109,6 +109,29 @@ pub struct DisplayDraft {
     /// Measured peak luminance in cd/m².
     #[schemars(range(min = 0.1, max = 100000.0))]
     pub peak_cd_m2: Option<f64>,
+    /// How much light each channel gives for what is sent to it; sRGB when absent.
+    pub transfer: Option<TransferDraft>,
+}
+
+/// A display's transfer: either `gamma`, or `levels` with the luminances of `red`, `green` and `blue` there.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TransferDraft {
+    /// The exponents of the red, green and blue channel.
+    #[schemars(inner(range(min = 1.0, max = 4.0)))]
+    pub gamma: Option<[f64; 3]>,
+    /// The 8-bit values at which luminances were measured, rising from 0 to 255.
+    #[schemars(length(min = 2), inner(range(min = 0.0, max = 255.0)))]
+    pub levels: Option<Vec<Option<f64>>>,
+    /// The red channel's luminance at each level, rising strictly, in any unit.
+    #[schemars(inner(range(min = 0.0)))]
+    pub red: Option<Vec<Option<f64>>>,
+    /// The green channel's luminance at each level, rising strictly, in any unit.
+    #[schemars(inner(range(min = 0.0)))]
+    pub green: Option<Vec<Option<f64>>>,
+    /// The blue channel's luminance at each level, rising strictly, in any unit.
+    #[schemars(inner(range(min = 0.0)))]
+    pub blue: Option<Vec<Option<f64>>>,
 }
 
 /// Where observers look and what happens when they do not.

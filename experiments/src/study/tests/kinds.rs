@@ -1,7 +1,7 @@
 //! One case for each kind of mistake, with its exact line and field.
 
 use super::{STUDY, assert_only, catalogue, edited, mistakes, parse};
-use crate::display::Display;
+use crate::display::{Display, Transfer};
 use crate::study::{parse_display, parse_study};
 
 #[test]
@@ -334,4 +334,43 @@ fn a_display_file_reports_every_mistake() {
     assert_eq!(display.resolution_px(), [1920, 1080]);
     assert!((display.refresh_hz() - 120.0).abs() < 1e-12);
     assert_eq!(display.peak_cd_m2(), Some(250.0));
+}
+
+#[test]
+fn a_display_file_states_its_transfer() {
+    let desk = |transfer: &str| {
+        format!(
+            "{{\n\"name\": \"desk\", \"resolution_px\": [1920, 1080], \"size_mm\": [510, 286.9],\n\
+             \"distance_mm\": 590,\n\"transfer\": {transfer}\n}}"
+        )
+    };
+    let read = |transfer: &str| parse_display("desk.json", &desk(transfer));
+    let gamma = read("{ \"gamma\": [2.2, 2.2, 2.25] }").expect("complete");
+    assert_eq!(*gamma.transfer(), Transfer::Gamma([2.2, 2.2, 2.25]));
+    let table = r#"{ "levels": [0, 128, 255], "red": [0.1, 8, 40], "green": [0.2, 30, 150], "blue": [0.1, 3, 12] }"#;
+    let table = read(table).expect("complete");
+    assert!((table.transfer().light_from_signal(1, 128.0 / 255.0) - 0.2).abs() < 1e-12);
+
+    for (transfer, fields) in [
+        (r#"{ "gamma": [2.2, 0, 5] }"#, vec!["gamma[1]", "gamma[2]"]),
+        (r#"{ "gama": [2.2, 2.2, 2.2] }"#, vec!["", "gama"]),
+        (r#"{}"#, vec![""]),
+        (r#"{ "gamma": [2, 2, 2], "levels": [0, 255] }"#, vec![""]),
+        (r#"{ "levels": [0, 255], "red": [0, 1], "blue": [0, "1"] }"#, vec!["blue[1]", "green"]),
+        (
+            r#"{ "levels": [0, 9, 255], "red": [0, 1], "green": [0, 2, 1], "blue": [0, 0, 1] }"#,
+            vec!["red", "green[2]", "blue[1]"],
+        ),
+    ] {
+        let found: Vec<String> =
+            read(transfer).expect_err(transfer).list.iter().map(|mistake| mistake.field.clone()).collect();
+        let mut expected: Vec<String> = fields
+            .iter()
+            .map(|key| if key.is_empty() { "transfer".to_owned() } else { format!("transfer.{key}") })
+            .collect();
+        expected.sort();
+        let mut sorted = found.clone();
+        sorted.sort();
+        assert_eq!(sorted, expected, "{transfer}");
+    }
 }

@@ -1,7 +1,7 @@
 //! The display of a study, and what can be shown on it around the fixation mark.
 
-use crate::display::{Display, NAMED_DISPLAYS};
-use crate::study::draft::{DisplayChoice, DisplayDraft};
+use crate::display::{CHANNELS, Display, NAMED_DISPLAYS, Transfer, TransferError};
+use crate::study::draft::{DisplayChoice, DisplayDraft, TransferDraft};
 use crate::study::mistakes::{Report, suggestion};
 use crate::study::source::Field;
 
@@ -54,6 +54,10 @@ fn named(name: &str, field: &Field, report: &mut Report<'_>) -> Option<Display> 
 
 /// A display from its geometry, reporting what is impossible about it.
 pub(in crate::study) fn described(draft: &DisplayDraft, field: &Field, report: &mut Report<'_>) -> Option<Display> {
+    let transferred = match &draft.transfer {
+        Some(given) => transfer(given, &field.key("transfer"), report),
+        None => Some(Transfer::Srgb),
+    };
     let mut display = match Display::new(draft.name.clone()?, draft.resolution_px?, draft.size_mm?, draft.distance_mm?)
     {
         Ok(display) => display,
@@ -73,7 +77,52 @@ pub(in crate::study) fn described(draft: &DisplayDraft, field: &Field, report: &
             return None;
         }
     }
-    Some(display)
+    Some(display.with_transfer(transferred?))
+}
+
+/// A transfer, reporting everything that is wrong with it.
+fn transfer(draft: &TransferDraft, field: &Field, report: &mut Report<'_>) -> Option<Transfer> {
+    let tables = [("levels", &draft.levels), ("red", &draft.red), ("green", &draft.green), ("blue", &draft.blue)];
+    // What was reported already is there, only wrong.
+    let missing = |key: &str, given: bool| !given && !report.has(&field.key(key));
+    let missing_tables: Vec<&str> =
+        tables.iter().filter(|(key, list)| missing(key, list.is_some())).map(|(key, _)| *key).collect();
+    let (has_gamma, has_table) = (!missing("gamma", draft.gamma.is_some()), missing_tables.len() < tables.len());
+    match (has_gamma, has_table) {
+        (true, true) => {
+            report.at(field, "expected either gamma or levels with red, green and blue, found both");
+            return None;
+        }
+        (false, false) => {
+            report.at(field, "expected gamma, or levels with red, green and blue, found neither");
+            return None;
+        }
+        (true, false) => return reported(Transfer::gamma(draft.gamma?), field, report),
+        (false, true) => {}
+    }
+    for key in &missing_tables {
+        let what = if CHANNELS.contains(key) { "luminances" } else { "levels" };
+        report.at(&field.key(key), format!("expected a list of {what} beside the others, found no such key"));
+    }
+    // A value that does not fit was reported, and without it the rest cannot be judged.
+    let whole = |list: &Option<Vec<Option<f64>>>| list.as_ref()?.iter().copied().collect::<Option<Vec<f64>>>();
+    let (levels, red, green, blue) =
+        (whole(&draft.levels)?, whole(&draft.red)?, whole(&draft.green)?, whole(&draft.blue)?);
+    reported(Transfer::measured(levels, [red, green, blue]), field, report)
+}
+
+fn reported(made: Result<Transfer, Vec<TransferError>>, field: &Field, report: &mut Report<'_>) -> Option<Transfer> {
+    match made {
+        Ok(transfer) => Some(transfer),
+        Err(errors) => {
+            for error in errors {
+                let key = field.key(error.key);
+                let place = error.index.map_or_else(|| key.clone(), |index| key.item(index));
+                report.at(&place, format!("expected {}, found {}", error.expected, error.found));
+            }
+            None
+        }
+    }
 }
 
 /// A display and where on it observers look.

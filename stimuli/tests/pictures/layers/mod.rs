@@ -1,9 +1,24 @@
-//! The eccentricity layers: the fovea is the reference, the periphery is coarser, and fewer pixels are drawn.
+//! The eccentricity layers: the fovea is the reference, the periphery is coarser, and fewer pixels are drawn. The other
+//! files hold what is counted, what time brings, what is newly uncovered, and what each switch does.
+
+mod counted;
+mod smoothing;
+mod switches;
+mod uncovered;
 
 use crate::common::{Setup, display, eccentricities, looking_at, named, numbers, reference};
-use experiments::catalogue::Parameters;
+use experiments::catalogue::{ParameterValue, Parameters};
 use experiments::display::Display;
 use stimuli::optimise;
+
+/// Parameters that are names and numbers.
+fn settings<const N: usize, const M: usize>(names: [(&str, &str); N], values: [(&str, f64); M]) -> Parameters {
+    let names = names.into_iter().map(|(name, value)| (name.to_owned(), ParameterValue::Text(value.to_owned())));
+    names.chain(numbers(values)).collect()
+}
+
+/// Every part that remembers is off.
+const STILL: [(&str, &str); 3] = [("half_rate", "off"), ("jitter", "off"), ("reprojection", "off")];
 
 #[test]
 fn the_fovea_equals_the_reference() {
@@ -40,7 +55,7 @@ fn the_cost_is_what_the_plan_predicts() {
     let display = Display::named("guenter-2012").unwrap();
     let plan = optimise(&display, 0.0275, 1.0 / 48.0, 3, None);
     let none = Parameters::new();
-    let mut setup = Setup::new(&display, ("noise", &none), ("layers", &numbers([("m", 0.0275)])));
+    let mut setup = Setup::new(&display, ("noise", &none), ("layers", &settings(STILL, [("m", 0.0275)])));
     let cost = setup.renderer.render(crate::common::gpu(), setup.scene.as_mut(), &looking_at([0.0; 2])).unwrap();
     let predicted = plan.pixels();
     println!("counted {} px, predicted {predicted:.0}", cost.pixels_shaded);
