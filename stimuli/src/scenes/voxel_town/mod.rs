@@ -132,7 +132,7 @@ fn pave(town: &mut Voxels) {
             let off = |d: i32| ((2 * d + 1 + PITCH).rem_euclid(2 * PITCH) - PITCH).abs();
             let (across, along) = (off(dx), off(dz));
             let road = 2 * (STREET - 1);
-            let plaza = dx >= -14 && dx < 14 && dz >= -14 && dz < 14;
+            let plaza = (-14..14).contains(&dx) && (-14..14).contains(&dz);
             let top = if plaza {
                 PLAZA
             } else if across.min(along) < road {
