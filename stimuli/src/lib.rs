@@ -36,3 +36,4 @@ pub use display_pass::{Background, Disc, DisplayPass};
 pub use foveation::plan::{LayerPlan, optimise};
 pub use gpu::{Gpu, GpuError};
 pub use registry::{catalogue, make_renderer, make_scene};
+pub use world::gltf::{GltfFile, Mistake, Notice, WorldError};

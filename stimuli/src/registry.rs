@@ -20,14 +20,14 @@ const SCENES: &[Entry<SceneInfo, MakeScene>] = &[
     (scenes::patch::info, scenes::patch::make),
     (scenes::orbit::info, scenes::orbit::make),
     (scenes::noise::info, scenes::noise::make),
+    (scenes::campbell_robson::info, scenes::campbell_robson::make),
+    (scenes::zone_plate::info, scenes::zone_plate::make),
     (scenes::grid_world::info, scenes::grid_world::make),
     (scenes::atrium::info, scenes::atrium::make),
     (scenes::tunnel::geom::info, scenes::tunnel::geom::make),
     (scenes::tunnel::maps::info, scenes::tunnel::maps::make),
     (scenes::voxel_town::info, scenes::voxel_town::make),
     (scenes::engine_room::info, scenes::engine_room::make),
-    (scenes::campbell_robson::info, scenes::campbell_robson::make),
-    (scenes::zone_plate::info, scenes::zone_plate::make),
 ];
 
 const RENDERERS: &[Entry<RendererInfo, MakeRenderer>] = &[

@@ -7,13 +7,14 @@ struct Corner {
     @location(3) uv: vec2f,
 }
 
+// Places are taken in the pixel's middle, so that their differences between pixels are exact at the edges of triangles, too;
+// directions within the triangle.
 struct Covered {
     @builtin(position) clip: vec4f,
     @location(0) mesh: vec3f,
     @location(1) world: vec3f,
-    // Inside the triangle even at edges, where a normal beyond would sparkle.
     @location(2) @interpolate(perspective, centroid) normal: vec3f,
-    @location(3) tangent: vec4f,
+    @location(3) @interpolate(perspective, centroid) tangent: vec4f,
     @location(4) uv: vec2f,
     @location(5) @interpolate(flat) object: u32,
 }

@@ -8,21 +8,17 @@ use crate::geometry::GeometryUniform;
 use crate::gpu::Gpu;
 use crate::parameters::{number, text};
 use crate::pass::{self, Extent};
+use crate::world::environment::Sun;
+use crate::world::{Environment, Panorama, Sky};
 use experiments::catalogue::{ParameterSchema, Parameters, SceneInfo};
 use experiments::display::Display;
 use glam::{DQuat, DVec3, Vec3, Vec4};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 pub(crate) const WGSL: &str = concat!(include_str!("orbit.wgsl"), "\n", include_str!("orbit_motion.wgsl"));
 
-/// Linear radiance of a park, longitude by colatitude; its licence is in `assets/LICENSES.md`.
-const ENVIRONMENT: &[u8] = include_bytes!("../../assets/environments/park.exr");
-
 /// Radiance that lights a white surface to about half the display's peak.
 const EXPOSURE: f32 = 0.62;
-/// What exceeds this radiance, in units of the mean, belongs to the sun and is taken out of the ambient light.
-const SUN_THRESHOLD: f32 = 12.0;
-
 pub(crate) fn info() -> SceneInfo {
     SceneInfo {
         id: "orbit".to_owned(),
@@ -126,7 +122,9 @@ struct Orbit {
     pipeline: wgpu::RenderPipeline,
     motion_pipeline: wgpu::RenderPipeline,
     environment: wgpu::TextureView,
-    light: Light,
+    sun: Sun,
+    /// Light of the sky without the sun, in the nine functions of `ambient_light`.
+    ambient: [Vec3; 9],
     motion: Motion,
     camera_start_deg: f64,
 }
@@ -164,87 +162,26 @@ impl Motion {
 }
 
 pub(crate) fn make(gpu: &Gpu, display: &Display, parameters: &Parameters) -> Result<Box<dyn Scene>, MakeError> {
-    let decoded = image::load_from_memory_with_format(ENVIRONMENT, image::ImageFormat::OpenExr)
-        .map_err(|error| MakeError::Asset { name: "park", reason: error.to_string() })?
-        .into_rgb32f();
-    let size = [decoded.width(), decoded.height()];
-    let repaired = repaired(&decoded);
-    let mean = repaired.iter().map(|c| c.element_sum()).sum::<f32>() / (3 * repaired.len()) as f32;
-    let radiance: Vec<Vec3> = repaired.iter().map(|&c| c * (EXPOSURE / mean)).collect();
+    let environment = Environment::of(Sky::Park.panorama(EXPOSURE)?);
+    let Panorama { size, radiance } = &environment.panorama;
     // Half floats end at 65504; nothing that is shown comes near.
     let texels: Vec<[f32; 4]> = radiance.iter().map(|c| c.min(Vec3::splat(6e4)).extend(1.0).to_array()).collect();
+    // A map without a sun gets light from high on one side, a third of its mean.
+    let sun = environment.sun.unwrap_or_else(|| Sun {
+        towards: Vec3::new(0.5, 0.75, 0.43).normalize(),
+        colour: Vec3::splat(EXPOSURE / 3.0),
+    });
     Ok(Box::new(Orbit {
         identity: SceneIdentity::new(),
         display: display.clone(),
         pipeline: pass::pipeline(gpu, "orbit", WGSL, "orbit", crate::LINEAR_FORMAT),
         motion_pipeline: pass::pipeline(gpu, "orbit's motion", WGSL, "motion", crate::LINEAR_FORMAT),
-        environment: pass::view(&pass::half_texture(gpu, "environment", size, &texels)),
-        light: Light::of(&radiance, size),
+        environment: pass::view(&pass::half_texture(gpu, "environment", *size, &texels)),
+        sun,
+        ambient: environment.ambient,
         motion: Motion::read(parameters)?,
         camera_start_deg: number(parameters, "camera_start_deg")?,
     }))
-}
-
-/// The map's radiance with its sun mended: the few pixels of the disc hold broken values (far below zero, or thousands in
-/// one channel and nothing in the others) and take the radiance of the brightest intact pixel instead.
-fn repaired(decoded: &image::Rgb32FImage) -> Vec<Vec3> {
-    let intact = |c: Vec3| c.is_finite() && c.min_element() > -0.5 && c.max_element() < 1e3 * c.min_element().max(0.1);
-    let pixels = || decoded.pixels().map(|p| Vec3::from_array(p.0));
-    let brightest =
-        pixels().filter(|&c| intact(c)).max_by(|a, b| a.element_sum().total_cmp(&b.element_sum())).unwrap_or(Vec3::ONE);
-    pixels().map(|c| if intact(c) { c.max(Vec3::ZERO) } else { brightest }).collect()
-}
-
-/// An environment map as light on diffuse surfaces: a sun, and what is left as spherical harmonics.
-#[derive(Debug, Clone, Copy)]
-struct Light {
-    /// Towards the sun.
-    sun: Vec3,
-    /// Light of the sun on a surface that faces it, over π.
-    sun_light: Vec3,
-    /// Irradiance over π in the nine functions of `ambient_light` (Ramamoorthi and Hanrahan 2001, Eqs. 7–10).
-    ambient: [Vec3; 9],
-}
-
-impl Light {
-    fn of(radiance: &[Vec3], [width, height]: [u32; 2]) -> Self {
-        let threshold = SUN_THRESHOLD * EXPOSURE;
-        let mut sun_direction = Vec3::ZERO;
-        let mut sun_light = Vec3::ZERO;
-        let mut harmonics = [Vec3::ZERO; 9];
-        for (i, &light) in radiance.iter().enumerate() {
-            let (column, row) = (i as u32 % width, i as u32 / width);
-            let theta = (f64::from(row) + 0.5) / f64::from(height) * PI;
-            let phi = ((f64::from(column) + 0.5) / f64::from(width) - 0.5) * TAU;
-            let solid_angle = (theta.sin() * PI / f64::from(height) * TAU / f64::from(width)) as f32;
-            let d = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin()).as_vec3();
-
-            // What is brighter than the threshold shines as the sun.
-            let ambient = light.min(Vec3::splat(threshold));
-            let excess = light - ambient;
-            sun_direction += d * excess.element_sum() * solid_angle;
-            sun_light += excess * solid_angle / PI as f32;
-            for (sum, basis) in harmonics.iter_mut().zip(harmonic_basis(d)) {
-                *sum += ambient * basis * solid_angle;
-            }
-        }
-        // Convolved with the clamped cosine (π, 2π/3, π/4 by order) and divided by π.
-        let orders = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
-        let normalisation =
-            [0.282_095, 0.488_603, 0.488_603, 0.488_603, 1.092_548, 1.092_548, 0.315_392, 1.092_548, 0.546_274];
-        let ambient = std::array::from_fn(|i| harmonics[i] * orders[i] * normalisation[i] * normalisation[i]);
-
-        // A map without a sun gets light from high on one side, a third of its mean.
-        let has_sun = sun_direction.length() > 1e-6 && sun_direction.y > 0.0;
-        let sun = if has_sun { sun_direction.normalize() } else { Vec3::new(0.5, 0.75, 0.43).normalize() };
-        let sun_light = if has_sun { sun_light } else { Vec3::splat(EXPOSURE / 3.0) };
-        Self { sun, sun_light, ambient }
-    }
-}
-
-/// The nine real spherical harmonics of order 0–2 without their factors, in the order of `ambient_light`.
-fn harmonic_basis(d: Vec3) -> [f32; 9] {
-    [1.0, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3.0 * d.z * d.z - 1.0, d.x * d.z, d.x * d.x - d.y * d.y]
 }
 
 /// Where the camera is, and the directions in which it sees right, up and ahead.
@@ -283,9 +220,9 @@ impl Orbit {
             right: extend(right),
             up: extend(up),
             forward: extend(forward),
-            sun: self.light.sun.extend(0.0),
-            sun_light: self.light.sun_light.extend(0.0),
-            ambient: self.light.ambient.map(|c| c.extend(0.0)),
+            sun: self.sun.towards.extend(0.0),
+            sun_light: self.sun.colour.extend(0.0),
+            ambient: self.ambient.map(|c| c.extend(0.0)),
             spheres: SPHERES,
             sphere_colours: SPHERE_COLOURS,
             columns: std::array::from_fn(column),

@@ -1,7 +1,8 @@
 //! The eye's path through a world: flying along keys, stopping to look left and right, or standing still (the camera
 //! motions of Guenter et al. 2012, §5).
 
-use glam::DVec3;
+use super::Motion;
+use glam::{Affine3A, DVec3};
 
 /// Where the camera is and how it is turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +21,15 @@ impl Pose {
         let forward = (target - eye).try_normalize().unwrap_or(DVec3::NEG_Z);
         let right = forward.cross(DVec3::Y).try_normalize().unwrap_or(DVec3::X);
         Self { eye, right, up: right.cross(forward), forward }
+    }
+
+    /// Looking along the −z axis of `at`, with its y axis up; scale and skew do not count.
+    pub(crate) fn carried(at: &Affine3A) -> Self {
+        let axes = at.matrix3;
+        let forward = (-axes.z_axis.as_dvec3()).try_normalize().unwrap_or(DVec3::NEG_Z);
+        let up = axes.y_axis.as_dvec3().reject_from_normalized(forward);
+        let up = up.try_normalize().unwrap_or_else(|| forward.any_orthonormal_vector());
+        Self { eye: at.translation.as_dvec3(), right: forward.cross(up), up, forward }
     }
 
     /// Turned about its own vertical, to the left for positive angles.
@@ -59,6 +69,9 @@ const PAN_DEG: f64 = 15.0;
 pub(crate) struct CameraPath {
     /// The keys; after the last one the camera returns to the first, smoothly if they are the same place.
     pub(crate) keys: Vec<CameraKey>,
+    /// What carries the camera instead of the keys, as a node of a file does: it looks along the carrier's −z axis, with
+    /// its y axis up.
+    pub(crate) carrier: Option<Motion>,
     pub(crate) motion: CameraMotion,
     /// Where on the path it starts, seconds at the path's own pace.
     pub(crate) start_s: f64,
@@ -67,7 +80,7 @@ pub(crate) struct CameraPath {
 impl Default for CameraPath {
     fn default() -> Self {
         let key = CameraKey { time_s: 0.0, eye: DVec3::ZERO, target: DVec3::NEG_Z };
-        Self { keys: vec![key], motion: CameraMotion::Still, start_s: 0.0 }
+        Self { keys: vec![key], carrier: None, motion: CameraMotion::Still, start_s: 0.0 }
     }
 }
 
@@ -76,7 +89,7 @@ impl CameraPath {
     pub(crate) fn round(places: &[(DVec3, DVec3)], pace_s: f64) -> Self {
         let closed = places.iter().chain(places.first());
         let keys = closed.zip(0..).map(|(&(eye, target), i)| CameraKey { time_s: f64::from(i) * pace_s, eye, target });
-        Self { keys: keys.collect(), motion: CameraMotion::Fly(1.0), start_s: 0.0 }
+        Self { keys: keys.collect(), carrier: None, motion: CameraMotion::Fly(1.0), start_s: 0.0 }
     }
 
     /// Seconds that one round takes at the path's own pace.
@@ -90,7 +103,10 @@ impl CameraPath {
     /// Whether the camera is elsewhere, or looks elsewhere, at another time.
     pub(crate) fn moves(&self) -> bool {
         match self.motion {
-            CameraMotion::Fly(pace) => pace.abs() > 0.0 && self.keys.len() > 1,
+            CameraMotion::Fly(pace) => {
+                let leads_elsewhere = self.carrier.as_ref().map_or(self.keys.len() > 1, Motion::moves);
+                pace.abs() > 0.0 && leads_elsewhere
+            }
             CameraMotion::Pan(speed_deg_s) => speed_deg_s.abs() > 0.0,
             CameraMotion::Still => false,
         }
@@ -109,6 +125,9 @@ impl CameraPath {
 
     /// The pose on the path, by cubic curves through the keys (Catmull–Rom), whose speed has no jumps.
     fn along(&self, time_s: f64) -> Pose {
+        if let Some(carrier) = &self.carrier {
+            return Pose::carried(&carrier.at(time_s));
+        }
         let count = self.keys.len();
         let (Some(first), span_s) = (self.keys.first(), self.span_s()) else {
             return Pose::looking(DVec3::ZERO, DVec3::NEG_Z);
@@ -160,6 +179,24 @@ mod tests {
         let worst = (0..8000).map(|i| (at(i + 1) - 2.0 * at(i) + at(i - 1)).length()).fold(0.0, f64::max);
         println!("largest second difference over 1 ms: {worst:.2e} m");
         assert!(worst < 2e-5);
+    }
+
+    /// A carrier that is turned by 90° about y, rolled by 30° and scaled: looks along −x, leaning by 30°.
+    #[test]
+    fn a_carried_camera_takes_its_carriers_place_and_roll() {
+        use glam::{Quat, Vec3};
+        let turn = Quat::from_rotation_y(90_f32.to_radians()) * Quat::from_rotation_z(30_f32.to_radians());
+        let at = Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 3.0, 0.5), turn, Vec3::new(1.0, 2.0, 3.0));
+        let path =
+            CameraPath { carrier: Some(Motion::Still(at)), motion: CameraMotion::Fly(1.0), ..CameraPath::default() };
+        assert!(!path.moves());
+        let pose = path.pose(3.0);
+        assert!(pose.eye.distance(DVec3::new(1.0, 2.0, 3.0)) < 1e-6);
+        assert!(pose.forward.distance(DVec3::NEG_X) < 1e-6, "{}", pose.forward);
+        assert!(
+            (pose.up.y - 30_f64.to_radians().cos()).abs() < 1e-6
+                && pose.right.cross(pose.forward).distance(pose.up) < 1e-6
+        );
     }
 
     #[test]

@@ -158,6 +158,11 @@ impl Environment {
         let sun = has_sun.then(|| Sun { towards: sun_direction.normalize(), colour: sun_light });
         Self { panorama, sun, ambient }
     }
+
+    /// What a white matt surface with this normal sends out under the sky without its sun.
+    pub(crate) fn on_white(&self, normal: Vec3) -> Vec3 {
+        harmonic_basis(normal).iter().zip(self.ambient).map(|(&basis, c)| c * basis).sum()
+    }
 }
 
 /// The nine real spherical harmonics of order 0–2 without their factors.
@@ -169,17 +174,13 @@ fn harmonic_basis(d: Vec3) -> [f32; 9] {
 mod tests {
     use super::*;
 
-    fn irradiance_over_pi(environment: &Environment, normal: Vec3) -> Vec3 {
-        harmonic_basis(normal).iter().zip(environment.ambient).map(|(&basis, c)| c * basis).sum()
-    }
-
     /// A white furnace stays white: E = π L, so that E/π = L on every normal.
     #[test]
     fn an_even_sky_lights_everything_alike() {
         let environment = Environment::of(Panorama { size: [64, 32], radiance: vec![Vec3::splat(0.7); 64 * 32] });
         assert_eq!(environment.sun, None);
         for normal in [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(1.0, -2.0, 0.5).normalize()] {
-            let found = irradiance_over_pi(&environment, normal);
+            let found = environment.on_white(normal);
             assert!((found - Vec3::splat(0.7)).abs().max_element() < 1e-3, "{normal}: {found}");
         }
     }
@@ -192,7 +193,7 @@ mod tests {
         for degrees in [0.0_f32, 45.0, 90.0, 135.0, 180.0] {
             let normal = Vec3::new(degrees.to_radians().sin(), degrees.to_radians().cos(), 0.0);
             let expected = 0.5 * (1.0 + degrees.to_radians().cos());
-            let found = irradiance_over_pi(&environment, normal).x;
+            let found = environment.on_white(normal).x;
             println!("{degrees}°: {found:.4}, closed form {expected:.4}");
             assert!((found - expected).abs() < 0.02);
         }

@@ -6,12 +6,16 @@
 
 pub(crate) mod bvh;
 pub(crate) mod camera;
+pub(crate) mod channels;
 pub(crate) mod environment;
+pub(crate) mod gltf;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod motion;
+pub(crate) mod panorama_file;
 pub(crate) mod shapes;
+pub(crate) mod sky;
 
 pub(crate) use camera::{CameraPath, Pose};
 pub(crate) use environment::{Environment, Panorama};
@@ -19,6 +23,7 @@ pub(crate) use light::Light;
 pub(crate) use material::{Map, Material, Pattern, PatternKind};
 pub(crate) use mesh::{Detail, Mesh, MeshLevel, Vertex};
 pub(crate) use motion::Motion;
+pub(crate) use sky::Sky;
 
 use crate::contract::SceneLight;
 

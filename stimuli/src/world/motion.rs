@@ -1,6 +1,8 @@
 //! Where an object is at a time.
 
+use super::channels::Channels;
 use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
 
 /// A place at every time.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,8 +27,10 @@ pub(crate) enum Motion {
         /// Applied after the keys.
         parent: Affine3A,
     },
-    /// One motion within another.
-    Within(Box<Motion>, Box<Motion>),
+    /// Along separate tracks of place, turn and scale.
+    Channels(Arc<Channels>),
+    /// One motion within another. Many may share the outer one.
+    Within(Arc<Motion>, Arc<Motion>),
 }
 
 /// A place at one time.
@@ -45,12 +49,23 @@ impl Default for Motion {
 }
 
 impl Motion {
+    /// `inner` within `outer`; as one place where neither moves.
+    pub(crate) fn within(outer: &Arc<Self>, inner: Self) -> Self {
+        match (outer.as_ref(), &inner) {
+            (Self::Still(outer), Self::Still(inner)) => Self::Still(*outer * *inner),
+            (Self::Still(outer), _) if *outer == Affine3A::IDENTITY => inner,
+            (_, Self::Still(at)) if *at == Affine3A::IDENTITY => outer.as_ref().clone(),
+            _ => Self::Within(Arc::clone(outer), Arc::new(inner)),
+        }
+    }
+
     /// Whether it ever moves.
     pub(crate) fn moves(&self) -> bool {
         match self {
             Self::Still(_) => false,
             Self::Spin { speed_deg_s, .. } => speed_deg_s.abs() > 0.0,
             Self::Keys { keys, .. } => keys.len() > 1,
+            Self::Channels(channels) => channels.moves(),
             Self::Within(outer, inner) => outer.moves() || inner.moves(),
         }
     }
@@ -64,6 +79,7 @@ impl Motion {
                 *at * Affine3A::from_quat(Quat::from_axis_angle(*axis, angle))
             }
             Self::Keys { keys, stepped, parent } => *parent * at_keys(keys, *stepped, time_s),
+            Self::Channels(channels) => channels.place(time_s),
             Self::Within(outer, inner) => outer.at(time_s) * inner.at(time_s),
         }
     }

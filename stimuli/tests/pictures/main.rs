@@ -10,6 +10,7 @@ mod contract;
 mod falloff;
 mod layers;
 mod light;
+mod models;
 mod oracle;
 mod ring;
 mod scenes;
