@@ -122,7 +122,8 @@ fn surface_at(place: Place) -> Surface {
     s.roughness = m.roughness;
     s.metalness = m.metalness;
     s.emission = m.emission;
-    s.open = abs(place.tangent.w);
+    // Beyond a triangle's edge it may come out above 1.
+    s.open = min(abs(place.tangent.w), 1.0);
     if HAS_MAPS {
         s = with_maps(s, m, place);
     }

@@ -410,9 +410,9 @@ fn path() -> CameraPath {
     let places = [
         ([x - 0.4, z - 1.0], [-5.0, 2.4, -4.0]),
         ([x - 1.2, z], [-6.0, 2.6, -3.0]),
-        ([5.0, z], [-8.0, 3.0, -2.0]),
-        ([1.5, z], [-11.0, 3.4, 0.0]),
-        ([-2.0, z], [-12.5, 3.2, -5.0]),
+        ([5.0, z], [-5.0, 2.8, -1.5]),
+        ([1.5, z], [-8.0, 2.6, -1.0]),
+        ([-2.0, z], [-8.5, 2.4, -2.5]),
         ([-5.5, z], [-10.0, 3.2, -9.0]),
         ([-x + 1.2, z], [-7.0, 3.4, -9.0]),
         ([-x, z - 1.2], [-4.0, 3.2, -9.0]),
@@ -430,5 +430,5 @@ fn path() -> CameraPath {
     let mut places = places.map(|([x, z], target)| (DVec3::new(x, eye_y, z), DVec3::from(target)));
     // It starts with the row of tanks in view.
     places.rotate_left(9);
-    camera::round(&places, 0.9)
+    camera::round(&places, 0.75)
 }

@@ -11,6 +11,7 @@ pub(super) const MOST: u32 = 100;
 /// Fewest cells on a side: 200 triangles.
 pub(super) const FEWEST: u32 = 10;
 /// No shape reaches farther from its middle, metres.
+#[cfg(test)]
 pub(super) const REACH_M: f32 = 1.7;
 
 /// A place for (u, v) in 0–1, u to the right and v upwards when seen from outside.

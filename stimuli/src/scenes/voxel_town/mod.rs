@@ -65,7 +65,7 @@ pub(crate) fn world(parameters: &Parameters) -> Result<World, MakeError> {
     builder.add(&town(), 38);
     builder.add(&hills(), 20);
     builder.plant();
-    openness::bake(&mut world, 1.0, 12.0, 0.12);
+    openness::bake(&mut world, 1.0, 12.0, 0.35);
     Ok(world)
 }
 
@@ -132,7 +132,7 @@ fn pave(town: &mut Voxels) {
             let off = |d: i32| ((2 * d + 1 + PITCH).rem_euclid(2 * PITCH) - PITCH).abs();
             let (across, along) = (off(dx), off(dz));
             let road = 2 * (STREET - 1);
-            let plaza = dx >= -14 && dx < 14 && dz >= -14 && dz < 14;
+            let plaza = (-14..14).contains(&dx) && (-14..14).contains(&dz);
             let top = if plaza {
                 PLAZA
             } else if across.min(along) < road {
@@ -236,7 +236,7 @@ impl Builder<'_> {
                         let turn = if upright { 0.0 } else { -FRAC_PI_2 };
                         for (slot, along) in [6.5_f32, 11.5].into_iter().enumerate() {
                             let salt = 50 + slot as u32;
-                            if hash(key, salt) < 0.72 {
+                            if hash(key, salt) < 0.6 {
                                 let tree = &trees[pick(key, salt + 4, trees.len())];
                                 let size = 0.72 + 0.2 * hash(key, salt + 8);
                                 self.place(tree, at(along, 3.5 * side), quarter(key, salt), size);
@@ -244,7 +244,7 @@ impl Builder<'_> {
                         }
                         let inwards = if side > 0.0 { PI } else { 0.0 };
                         self.place(&lamp, at(9.0, 3.3 * side), turn + inwards, 1.0);
-                        if hash(key, 60) < 0.55 {
+                        if hash(key, 60) < 0.4 {
                             let along = 5.5 + 7.0 * hash(key, 61);
                             let car = &cars[pick(key, 62, cars.len())];
                             let turn = turn + if side > 0.0 { 0.0 } else { PI };
@@ -260,7 +260,7 @@ impl Builder<'_> {
             let at = Vec3::new(11.8 * cos.signum() * cos.abs().sqrt(), 0.0, 11.8 * sin.signum() * sin.abs().sqrt());
             self.place(&trees[i % 3], at, 0.0, 0.7);
         }
-        for i in 0..420 {
+        for i in 0..220 {
             let key = IVec3::new(i, 7, 0);
             let at = (Vec2::new(hash(key, 70), hash(key, 71)) - 0.5) * 440.0;
             let cell = ((at / 4.0).floor() + 0.5) * 4.0;
@@ -313,14 +313,15 @@ fn path() -> CameraPath {
         [36.0, 11.0, -28.0],
         [36.0, 18.0, -18.0],
         [36.0, 27.0, -6.0],
-        [31.0, 37.0, 10.0],
-        [12.0, 42.0, 26.0],
-        [-12.0, 43.0, 34.0],
-        [-32.0, 43.0, 22.0],
-        [-40.0, 42.0, 0.0],
-        [-40.0, 40.0, -20.0],
-        [-53.0, 33.0, -34.0],
-        [-54.0, 22.0, -20.0],
+        [40.0, 36.0, 12.0],
+        [48.0, 40.0, 40.0],
+        [28.0, 43.0, 70.0],
+        [-14.0, 43.0, 80.0],
+        [-56.0, 41.0, 64.0],
+        [-80.0, 39.0, 24.0],
+        [-76.0, 37.0, -14.0],
+        [-60.0, 34.0, -34.0],
+        [-54.0, 25.0, -22.0],
         [-54.0, 13.0, -4.0],
         [-54.0, 7.0, 14.0],
         [-54.0, 4.0, 32.0],
@@ -332,12 +333,15 @@ fn path() -> CameraPath {
     ]
     .map(DVec3::from);
     // It starts over the roofs.
-    eyes.rotate_left(15);
-    // Climbing, it still looks to the horizon, and from above the roofs down to the streets.
+    eyes.rotate_left(18);
+    // Climbing, it still looks to the horizon, and from above the roofs over the town to the clock tower.
     let mut path = camera::ahead(&eyes, 12.0, 4.0, |along| DVec3::new(along.x, 0.2 * along.y, along.z));
     for key in &mut path.keys {
-        let above = ((key.eye.y - 6.0) / 26.0).clamp(0.0, 1.0);
-        key.target.y -= 0.40 * above * above * (3.0 - 2.0 * above);
+        let above = ((key.eye.y - 12.0) / 26.0).clamp(0.0, 1.0);
+        let above = above * above * (3.0 - 2.0 * above);
+        let to_tower = (DVec3::new(0.0, 14.0, 0.0) - key.eye).normalize_or(DVec3::NEG_Y);
+        let along = key.target - key.eye;
+        key.target = key.eye + along.lerp(to_tower, 0.85 * above);
     }
     path
 }

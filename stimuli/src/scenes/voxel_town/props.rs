@@ -7,19 +7,19 @@ use glam::{IVec3, Vec3};
 
 /// A broad tree, about 6 m high, on the origin.
 pub(super) fn tree(variant: u32) -> Voxels {
-    const CELL: f32 = 0.4;
-    let size = IVec3::new(11, 17, 11);
-    let mut tree = Voxels::new(Vec3::new(-5.5 * CELL, 0.0, -5.5 * CELL), CELL, size);
+    const CELL: f32 = 0.6;
+    let size = IVec3::new(7, 11, 7);
+    let mut tree = Voxels::new(Vec3::new(-3.5 * CELL, 0.0, -3.5 * CELL), CELL, size);
     let leaves = [LEAVES, LEAVES_LIGHT, LEAVES_AUTUMN][variant as usize % 3];
-    tree.fill(IVec3::new(5, 0, 5), IVec3::new(6, 9, 6), TRUNK);
-    let middle = Vec3::new(5.5, 11.0, 5.5);
-    for y in 5..17 {
-        for z in 0..11 {
-            for x in 0..11 {
+    tree.fill(IVec3::new(3, 0, 3), IVec3::new(4, 6, 4), TRUNK);
+    let middle = Vec3::new(3.5, 7.2, 3.5);
+    for y in 3..size.y {
+        for z in 0..size.z {
+            for x in 0..size.x {
                 let cell = IVec3::new(x, y, z);
-                let from = (cell.as_vec3() + 0.5 - middle) / Vec3::new(5.0, 5.6, 5.0);
-                let rough = 0.5 * noise(cell.as_vec3() * 0.45 + 0.3, variant + 3) + 0.25 * hash(cell, variant);
-                if from.length() + rough < 0.98 {
+                let from = (cell.as_vec3() + 0.5 - middle) / Vec3::new(3.4, 3.8, 3.4);
+                let rough = 0.5 * noise(cell.as_vec3() * 0.65 + 0.3, variant + 3) + 0.2 * hash(cell, variant);
+                if from.length() + rough < 1.0 {
                     tree.set(cell, leaves);
                 }
             }
@@ -30,16 +30,16 @@ pub(super) fn tree(variant: u32) -> Voxels {
 
 /// A fir, about 7 m high.
 pub(super) fn fir() -> Voxels {
-    const CELL: f32 = 0.4;
-    let mut tree = Voxels::new(Vec3::new(-4.5 * CELL, 0.0, -4.5 * CELL), CELL, IVec3::new(9, 18, 9));
-    tree.fill(IVec3::new(4, 0, 4), IVec3::new(5, 16, 5), TRUNK);
-    for y in 3..18 {
-        let tier = (y - 3) % 3;
-        let half: i32 = ((17 - y) / 4 + 2 - tier).clamp(0, 4);
+    const CELL: f32 = 0.6;
+    let mut tree = Voxels::new(Vec3::new(-3.5 * CELL, 0.0, -3.5 * CELL), CELL, IVec3::new(7, 12, 7));
+    tree.fill(IVec3::new(3, 0, 3), IVec3::new(4, 11, 4), TRUNK);
+    for y in 2..12 {
+        let tier = (y - 2) % 3;
+        let half: i32 = ((11 - y) / 3 + 2 - tier).clamp(0, 3);
         for z in -half..=half {
             for x in -half..=half {
                 if x.abs() + z.abs() <= half + 1 {
-                    tree.set(IVec3::new(4 + x, y, 4 + z), LEAVES);
+                    tree.set(IVec3::new(3 + x, y, 3 + z), LEAVES);
                 }
             }
         }
@@ -68,13 +68,11 @@ pub(super) fn car(variant: usize) -> Voxels {
 
 /// A lamp post, 4 m high, whose arm reaches to +x.
 pub(super) fn lamp_post() -> Voxels {
-    const CELL: f32 = 0.16;
-    let mut post = Voxels::new(Vec3::new(-1.5 * CELL, 0.0, -1.5 * CELL), CELL, IVec3::new(9, 26, 3));
-    post.fill(IVec3::new(0, 0, 0), IVec3::new(3, 2, 3), DARK);
-    post.fill(IVec3::new(1, 2, 1), IVec3::new(2, 25, 2), DARK);
-    post.fill(IVec3::new(1, 24, 1), IVec3::new(8, 25, 2), DARK);
-    post.fill(IVec3::new(5, 22, 0), IVec3::new(8, 24, 3), LIGHT);
-    post.fill(IVec3::new(5, 25, 0), IVec3::new(8, 26, 3), DARK);
+    const CELL: f32 = 0.28;
+    let mut post = Voxels::new(Vec3::new(-0.5 * CELL, 0.0, -0.5 * CELL), CELL, IVec3::new(5, 15, 1));
+    post.fill(IVec3::new(0, 0, 0), IVec3::new(1, 15, 1), DARK);
+    post.fill(IVec3::new(1, 14, 0), IVec3::new(5, 15, 1), DARK);
+    post.fill(IVec3::new(3, 13, 0), IVec3::new(5, 14, 1), LIGHT);
     post
 }
 

@@ -32,6 +32,7 @@ impl Voxels {
     }
 
     /// What is at a place, metres.
+    #[cfg(test)]
     pub(super) fn at(&self, place: Vec3) -> Stuff {
         self.get(((place - self.low) / self.cell_m).floor().as_ivec3())
     }
