@@ -80,8 +80,8 @@ pub struct GBuffer {
     pub normal_roughness: wgpu::TextureView,
     /// Albedo, and metalness in alpha. Half floats.
     pub albedo_metalness: wgpu::TextureView,
-    /// Light of the surface's own; alpha is 1 where there is a surface and 0 where the colour is that of the sky. Half
-    /// floats.
+    /// Light of the surface's own; alpha is 0 where the colour is that of the sky, and ½ and half of the surface's openness
+    /// to its surroundings elsewhere. Half floats.
     pub emission: wgpu::TextureView,
     /// One over the distance along the viewing axis, per metre; 0 for the sky. Full floats.
     pub inverse_depth: wgpu::TextureView,

@@ -1,6 +1,6 @@
 // The colour of a pixel of a G-buffer; `px` is its place on the display.
 fn shade_texels(normal_roughness: vec4f, albedo_metalness: vec4f, emission: vec4f, inverse_depth: f32, px: vec2f) -> vec3f {
-    if emission.a < 0.5 {
+    if emission.a < 0.25 {
         return emission.rgb;
     }
     var s: Surface;
@@ -11,5 +11,6 @@ fn shade_texels(normal_roughness: vec4f, albedo_metalness: vec4f, emission: vec4
     s.roughness = normal_roughness.w;
     s.metalness = albedo_metalness.w;
     s.emission = emission.rgb;
+    s.open = clamp(2.0 * emission.a - 1.0, 0.0, 1.0);
     return shade(s);
 }

@@ -5,7 +5,7 @@ struct Surfaces {
     @location(0) normal_roughness: vec4f,
     // Metalness in alpha.
     @location(1) albedo_metalness: vec4f,
-    // Alpha is 1 where there is a surface, 0 where there is the sky, whose light is the colour.
+    // Alpha is 0 where there is the sky, whose light is the colour; of a surface ½ and half of how open it is.
     @location(2) emission: vec4f,
     // One over the distance along the viewing axis; 0 for the sky.
     @location(3) inverse_depth: f32,
@@ -14,7 +14,7 @@ struct Surfaces {
 fn surfaces_of(place: Place) -> Surfaces {
     let s = surface_at(place);
     let depth = dot(place.world - frame.eye.xyz, frame.forward.xyz);
-    return Surfaces(vec4f(s.normal, s.roughness), vec4f(s.albedo, s.metalness), vec4f(s.emission, 1.0), 1.0 / depth);
+    return Surfaces(vec4f(s.normal, s.roughness), vec4f(s.albedo, s.metalness), vec4f(s.emission, 0.5 + 0.5 * s.open), 1.0 / depth);
 }
 
 @fragment

@@ -172,7 +172,11 @@ fn place_of_hit(hit: Hit, origin: vec3f, direction: vec3f, footprint: f32) -> Pl
     let outwards = select(-1.0, 1.0, dot(flat_normal, normal) * dot(flat_normal, -direction) >= 0.0);
     place.normal = normal * outwards;
     let own_tangent = blend3(vertex_word3(corners.x, 6u), vertex_word3(corners.y, 6u), vertex_word3(corners.z, 6u), hit.shares);
-    place.tangent = vec4f(rows_times(o.now, vec4f(own_tangent, 0.0)), vertices[corners.x * VERTEX_WORDS + 9u]);
+    let signs = vec3f(
+        vertices[corners.x * VERTEX_WORDS + 9u], vertices[corners.y * VERTEX_WORDS + 9u], vertices[corners.z * VERTEX_WORDS + 9u],
+    );
+    let sign_and_openness = dot(signs, vec3f(1.0 - hit.shares.x - hit.shares.y, hit.shares));
+    place.tangent = vec4f(rows_times(o.now, vec4f(own_tangent, 0.0)), sign_and_openness);
     let uv_a = vec2f(vertices[corners.x * VERTEX_WORDS + 10u], vertices[corners.x * VERTEX_WORDS + 11u]);
     let uv_b = vec2f(vertices[corners.y * VERTEX_WORDS + 10u], vertices[corners.y * VERTEX_WORDS + 11u]);
     let uv_c = vec2f(vertices[corners.z * VERTEX_WORDS + 10u], vertices[corners.z * VERTEX_WORDS + 11u]);

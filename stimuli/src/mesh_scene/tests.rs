@@ -170,7 +170,7 @@ fn shadows_lie_where_the_light_says() {
             assert!(pixel[1] < 0.01, "light at {at:?}: {}", pixel[1]);
             checked[0] += 1;
         } else if outside {
-            assert!((pixel[1] - 0.9 * 0.7071).abs() < 0.05, "at {at:?}: {}", pixel[1]);
+            assert!((pixel[1] - 0.9 * std::f32::consts::FRAC_1_SQRT_2).abs() < 0.05, "at {at:?}: {}", pixel[1]);
             checked[1] += 1;
         }
     }

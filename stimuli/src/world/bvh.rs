@@ -101,7 +101,7 @@ fn best_split(items: &[u32], bounds: &[Bounds], middles: &[Vec3], all: &Bounds) 
     let area = all.half_area().max(f32::MIN_POSITIVE);
     // A leaf of many is divided even where the estimate says that it would not pay.
     let mut best = (if items.len() > 16 { f32::INFINITY } else { items.len() as f32 }, None);
-    for axis in 0..3 {
+    for (axis, right) in [[0.0; BINS]; 3].iter_mut().enumerate() {
         let (low, size) = (spread.low[axis], spread.high[axis] - spread.low[axis]);
         if size.is_nan() || size <= 0.0 {
             continue;
@@ -111,8 +111,7 @@ fn best_split(items: &[u32], bounds: &[Bounds], middles: &[Vec3], all: &Bounds) 
             let bin = (((middles[item as usize][axis] - low) / size * BINS as f32) as usize).min(BINS - 1);
             bins[bin] = (bins[bin].0.with(bounds[item as usize]), bins[bin].1 + 1);
         }
-        // Areas times counts of everything right of each border, then of everything left of it.
-        let mut right = [0.0; BINS];
+        // `right`: areas times counts of everything right of each border; then of everything left of it.
         let mut sum = (Bounds::NOTHING, 0);
         for i in (1..BINS).rev() {
             sum = (sum.0.with(bins[i].0), sum.1 + bins[i].1);

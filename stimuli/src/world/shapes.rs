@@ -121,11 +121,6 @@ pub(crate) fn lathe(profile: &[[f32; 2]], sides: u32) -> MeshLevel {
     level
 }
 
-/// A closed cylinder on the plane y = 0.
-pub(crate) fn cylinder(radius_m: f32, height_m: f32, sides: u32) -> MeshLevel {
-    lathe(&[[0.0, 0.0], [radius_m, 0.0], [radius_m, height_m], [0.0, height_m]], sides)
-}
-
 /// A tube of round cross-section along `path`, open at its ends.
 pub(crate) fn tube(path: &[Vec3], radius_m: f32, sides: u32) -> MeshLevel {
     let mut level = MeshLevel::default();
@@ -176,7 +171,11 @@ mod tests {
         let shapes = [
             ("block", block(-Vec3::ONE, Vec3::ONE)),
             ("sphere", sphere(1.0, 12)),
-            ("cylinder", cylinder(0.7, 2.0, 24).transformed(Affine3A::from_translation(Vec3::NEG_Y))),
+            (
+                "cylinder",
+                lathe(&[[0.0, 0.0], [0.7, 0.0], [0.7, 2.0], [0.0, 2.0]], 24)
+                    .transformed(Affine3A::from_translation(Vec3::NEG_Y)),
+            ),
             ("tube", tube(&path, 0.3, 12).transformed(Affine3A::from_translation(Vec3::NEG_Y))),
         ];
         for (name, shape) in shapes {
