@@ -14,7 +14,7 @@ struct Covered {
     @location(0) mesh: vec3f,
     @location(1) world: vec3f,
     @location(2) @interpolate(perspective, centroid) normal: vec3f,
-    @location(3) @interpolate(perspective, centroid) tangent: vec4f,
+    @location(3) tangent: vec4f,
     @location(4) uv: vec2f,
     @location(5) @interpolate(flat) object: u32,
 }
