@@ -18,6 +18,7 @@ mod progress;
 mod render;
 mod replay;
 mod run;
+mod settings;
 mod together;
 
 use crate::error::LabError;

@@ -1,9 +1,9 @@
 //! `parafovea render`: one picture of a scene under a renderer.
 
-use super::{inputs, print, print_json};
+use super::{inputs, print, print_json, settings};
 use crate::error::LabError;
 use clap::Args;
-use experiments::catalogue::{ParameterValue, Parameters};
+use experiments::catalogue::ParameterValue;
 use serde::Serialize;
 use std::path::PathBuf;
 use stimuli::contract::FrameInput;
@@ -29,7 +29,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "NAME|FILE", default_value = "demo-540p")]
     display: String,
     /// A parameter of the renderer, or of the scene as scene.NAME; may be given again.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = settings::assignment)]
     set: Vec<(String, ParameterValue)>,
     /// Time on the scene's clock, seconds.
     #[arg(long, default_value_t = 0.0)]
@@ -44,12 +44,6 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.abs() < 90.0).ok_or_else(wrong);
     Ok([number(x)?, number(y)?])
-}
-
-fn assignment(text: &str) -> Result<(String, ParameterValue), String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
-    let value = value.parse::<f64>().map_or_else(|_| ParameterValue::Text(value.to_owned()), ParameterValue::Number);
-    Ok((name.trim().to_owned(), value))
 }
 
 #[derive(Debug, Serialize)]
@@ -68,12 +62,11 @@ struct Rendered {
 pub(super) fn run(args: &RenderArgs) -> Result<(), LabError> {
     let display =
         inputs::display(Some(&args.display))?.ok_or_else(|| LabError::BadInput("--display is required".to_owned()))?;
-    let (mut of_scene, mut of_renderer) = (Parameters::new(), Parameters::new());
-    for (name, value) in &args.set {
-        match name.strip_prefix("scene.") {
-            Some(name) => of_scene.insert(name.to_owned(), value.clone()),
-            None => of_renderer.insert(name.clone(), value.clone()),
-        };
+    let (mut of_scene, mut of_renderer) = settings::of_scene_and_renderer(&args.set);
+    let known = inputs::catalogue();
+    if let (Some(scene), Some(renderer)) = (known.scene(&args.scene), known.renderer(&args.renderer)) {
+        settings::name_choices(&mut of_scene, &scene.parameters);
+        settings::name_choices(&mut of_renderer, &renderer.parameters);
     }
     let gpu = Gpu::headless()?;
     gpu.set_blocking_timing(true);
