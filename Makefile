@@ -19,7 +19,7 @@ lint: need ## Formatting, lints and the documentation build
 	cargo clippy --release --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --document-private-items
 
-bench: need ## Milliseconds a frame, per QUEST+ trial and per fit
+bench: need ## Milliseconds a frame, per QUEST+ trial and per fit; what renderers save is `parafovea bench renderers`
 	cargo bench
 
 window: need ## Real windows on a virtual display, with injected keys and mouse: ten trials, and one of every protocol

@@ -2,8 +2,10 @@
 //!
 //! `experiments` says what is asked, `stimuli` draws it, `analysis` fits it; this crate connects them to windows, eye
 //! trackers, disks and the terminal. One folder for each side of the world: [`stage`] (where trials happen), [`gaze`]
-//! (eye trackers), [`session`] (the journal on disk), [`replay`], [`export`] and [`cli`] (one file for each command).
+//! (eye trackers), [`session`] (the journal on disk), [`replay`], [`export`], [`bench`] (what renderers cost) and [`cli`]
+//! (one file for each command).
 
+pub mod bench;
 pub mod cli;
 pub mod error;
 pub mod export;

@@ -260,6 +260,9 @@ fn savings() -> String {
             QualityMark { name: "A: ramp, j = 11.9".to_owned(), quality: 11.9 },
             QualityMark { name: "B: pair, j = 14.9".to_owned(), quality: 14.9 },
         ],
+        published: Vec::new(),
+        publication: String::new(),
+        layers: Vec::new(),
         slope_times_quality: Some(0.33),
     })
 }

@@ -4,6 +4,7 @@
 //! Exit codes: 0 done, 1 failed, 2 bad usage or bad input.
 
 mod analyze;
+mod bench;
 mod blocks;
 mod check;
 mod demo;
@@ -19,6 +20,7 @@ mod render;
 mod replay;
 mod resources;
 mod run;
+mod settings;
 mod together;
 
 use crate::error::LabError;
@@ -54,6 +56,8 @@ enum Command {
     Export(export::ExportArgs),
     /// Draw one picture of a scene under a renderer.
     Render(render::RenderArgs),
+    /// Measure what renderers cost, and what they save against full resolution.
+    Bench(bench::BenchArgs),
     /// Layers, sampling rates and savings that follow from an acuity slope on a display.
     Predict(predict::PredictArgs),
     /// List displays, scenes, renderers and the graphics adapter.
@@ -81,6 +85,7 @@ pub fn main() -> ExitCode {
         Command::Fit(args) => fit::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Render(args) => render::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Predict(args) => predict::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Demo(args) => demo::run(&args),

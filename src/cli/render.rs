@@ -5,11 +5,11 @@ mod colours;
 mod files;
 mod heat_map;
 
-use super::{inputs, print, print_json, resources};
+use super::{inputs, print, print_json, resources, settings};
 use crate::error::LabError;
 use clap::Args;
 use experiments::Display;
-use experiments::catalogue::{ParameterValue, Parameters};
+use experiments::catalogue::ParameterValue;
 use files::PictureFormat;
 use heat_map::HeatMap;
 use serde::Serialize;
@@ -45,10 +45,10 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "NAME|FILE", default_value = "demo-540p")]
     display: String,
     /// Width and height in pixels; the display stays as large and as far away as it is.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = settings::size)]
     size: Option<[u32; 2]>,
     /// A parameter of the renderer, or of the scene as scene.NAME; may be given again.
-    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = settings::assignment)]
     set: Vec<(String, ParameterValue)>,
     /// Time on the scene's clock, seconds.
     #[arg(long, default_value_t = 0.0, allow_hyphen_values = true, value_parser = seconds)]
@@ -74,13 +74,6 @@ fn pair(text: &str) -> Result<[f64; 2], String> {
     Ok([number(x)?, number(y)?])
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let wrong = || "expected a width and a height in pixels, from 16 to 16384 each, as 960x540".to_owned();
-    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
-    let number = |text: &str| text.trim().parse::<u32>().ok().filter(|x| (16..=16_384).contains(x)).ok_or_else(wrong);
-    Ok([number(width)?, number(height)?])
-}
-
 fn seconds(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|x| x.abs() <= 1e6);
     number.ok_or_else(|| "expected a number of seconds, at most a million".to_owned())
@@ -89,12 +82,6 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn rate(text: &str) -> Result<f64, String> {
     let number = text.trim().parse::<f64>().ok().filter(|x| (0.01..=10_000.0).contains(x));
     number.ok_or_else(|| "expected a number of frames a second, from 0.01 to 10000".to_owned())
-}
-
-fn assignment(text: &str) -> Result<(String, ParameterValue), String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
-    let value = value.parse::<f64>().map_or_else(|_| ParameterValue::Text(value.to_owned()), ParameterValue::Number);
-    Ok((name.trim().to_owned(), value))
 }
 
 #[derive(Debug, Serialize)]
@@ -174,15 +161,14 @@ fn draw(args: &RenderArgs) -> Result<(), LabError> {
             return Err(LabError::BadInput("--heatmap and --out name the same file".to_owned()));
         }
     }
-    let (mut of_scene, mut of_renderer) = (Parameters::new(), Parameters::new());
-    for (name, value) in &args.set {
-        match name.strip_prefix("scene.") {
-            Some(name) => of_scene.insert(name.to_owned(), value.clone()),
-            None => of_renderer.insert(name.clone(), value.clone()),
-        };
-    }
     let (registry, [scene_id, renderer_id]) = resources::registry_for(&args.scene, &args.renderer)?;
-    if let Some(mismatch) = registry.catalogue().mismatch(&scene_id, &renderer_id, Some(display.resolution_px())) {
+    let known = registry.catalogue();
+    let (mut of_scene, mut of_renderer) = settings::of_scene_and_renderer(&args.set);
+    if let (Some(scene), Some(renderer)) = (known.scene(&scene_id), known.renderer(&renderer_id)) {
+        settings::name_choices(&mut of_scene, &scene.parameters);
+        settings::name_choices(&mut of_renderer, &renderer.parameters);
+    }
+    if let Some(mismatch) = known.mismatch(&scene_id, &renderer_id, Some(display.resolution_px())) {
         return Err(LabError::BadInput(format!("--scene {}: {mismatch}", args.scene)));
     }
     let gpu = Gpu::headless()?;

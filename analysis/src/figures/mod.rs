@@ -44,7 +44,7 @@ pub use mar_line::mar_line;
 pub use rates::{RatePoint, RateSeries, RateView, detection_rates};
 pub use rows::{ratings, settings, tasks};
 pub use sigma::{PatchBlur, blur_by_eccentricity};
-pub use speedup::{QualityMark, Speedup, SpeedupPoint, speedup};
+pub use speedup::{LayerCurve, LayerPoint, PublishedSaving, QualityMark, Speedup, SpeedupPoint, speedup};
 pub use track::{TrackPoint, adaptive_track};
 
 /// Width of every figure, in pixels.

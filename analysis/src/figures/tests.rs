@@ -231,13 +231,23 @@ proptest! {
     }
 
     #[test]
-    fn savings_hold(v in values(20), mark in prop::option::of((name(), value())), slope_times_quality in prop::option::of(value())) {
+    fn savings_hold(
+        v in values(20), mark in prop::option::of((name(), value())), slope_times_quality in prop::option::of(value()),
+        published in prop::option::of((value(), value(), value())), publication in name(),
+        layers in prop::collection::vec((name(), values(9)), 0..6),
+    ) {
         let points = v.windows(3).map(|w| SpeedupPoint {
             quality: w[0], pixels: Some(w[1]), pixels_half_rate: Some(w[2]), time: Some(w[1]), time_ci95: Some([w[2], w[0]]),
         });
         inspect(&speedup(&Speedup {
             points: points.collect(),
             marks: mark.map(|(name, quality)| QualityMark { name, quality }).into_iter().collect(),
+            published: published.map(|(quality, pixels, time)| PublishedSaving { quality, pixels, time }).into_iter().collect(),
+            publication,
+            layers: layers.into_iter().map(|(name, v)| LayerCurve {
+                name,
+                points: v.windows(3).map(|w| LayerPoint { quality: w[0], pixels: Some(w[1]), time_ms: Some(w[2]) }).collect(),
+            }).collect(),
             slope_times_quality,
         }));
     }
