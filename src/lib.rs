@@ -2,7 +2,7 @@
 //!
 //! `experiments` says what is asked, `stimuli` draws it, `analysis` fits it; this crate connects them to windows, eye
 //! trackers, disks and the terminal. One folder for each side of the world: [`stage`] (where trials happen), [`gaze`]
-//! (eye trackers), [`session`] (the journal on disk), [`replay`], [`export`], [`bench`] (what renderers cost) and [`cli`]
+//! (eye trackers), [`session`] (the journal on disk), [`replay`], [`export`], [`mod@bench`] (what renderers cost) and [`cli`]
 //! (one file for each command).
 
 pub mod bench;

@@ -4,8 +4,8 @@
 //! alike, and all ratios are of the same frames of the same run. Every renderer has a scene of its own, because scenes
 //! keep things from one drawing to the next (a shadow map, say) that would be free to whoever draws second. Pictures that
 //! stand still are declared to move, so that none is shown once more instead of being drawn. The counted pass renders the
-//! same frames again and counts on the GPU what the scene shaded. [`gaze`] is where the eye looks, [`frames`] the two
-//! passes, [`ratio`] the arithmetic, [`figure`] the picture of it.
+//! same frames again and counts on the GPU what the scene shaded. `gaze` is where the eye looks, `frames` the two
+//! passes, `ratio` the arithmetic, `figure` the picture of it.
 
 mod figure;
 mod frames;

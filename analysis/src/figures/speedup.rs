@@ -5,7 +5,9 @@
 
 use super::parts::{Mark, RIGHT, drawable, drawable_interval, ink_dot, keys, left_out, nothing, remark};
 use super::{WIDTH, significant};
-use crate::svg::{Anchor, Axis, BLUE, Canvas, GREEN, PALETTE, Paint, Panel, TextStyle, VERMILION, inward, text_width};
+use crate::svg::{
+    Anchor, Axis, BLUE, Canvas, GREEN, PALETTE, Paint, Panel, ROOM, TextStyle, VERMILION, inward, text_width,
+};
 use serde::{Deserialize, Serialize};
 
 /// The savings at one quality. All ratios are full resolution over foveated, so that larger saves more.
@@ -266,12 +268,15 @@ impl<'a> Costs<'a> {
 
 fn draw_slopes(canvas: &mut Canvas, panel: &Panel, product: f64) {
     let [x, y] = panel.corner;
-    let axis = panel.x.clone().fitting(panel.size[0], |_| 52.0);
+    let slope = |quality: f64| crate::text::significant(product / quality, 2);
+    let widths = panel.x.ticks().into_iter().filter(|(quality, _)| *quality > 0.0);
+    let widest = widths.map(|(quality, _)| text_width(&slope(quality), 12.0) + ROOM).fold(52.0, f64::max);
+    let axis = panel.x.clone().fitting(panel.size[0], |_| widest);
     for (quality, _) in axis.ticks().into_iter().filter(|(quality, _)| *quality > 0.0) {
         let at = panel.px(quality, 0.0)[0];
         canvas.line([at, y - 4.0], [at, y], &Paint::ink(1.0));
         let style = TextStyle::new(12.0, Anchor::Middle).muted();
-        let text = crate::text::significant(product / quality, 2);
+        let text = slope(quality);
         let middle = x + inward(at - x, text_width(&text, 12.0), panel.size[0]);
         canvas.text([middle, y - 9.0], &text, style);
     }
