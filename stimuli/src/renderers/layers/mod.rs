@@ -207,7 +207,7 @@ impl Renderer for Layers {
         let mut drawn = DrawCost::default();
         self.costs.clear();
         for index in 0..layers {
-            let turn = frames == 0 || !self.settings.half_rate || views::due(layers, index, frames);
+            let turn = frames == 0 || !self.settings.rests(index) || views::due(layers, index, frames);
             let cost = self.update_layer(gpu, &mut encoder, scene, frame, (index, turn))?;
             drawn += cost.cost;
             self.costs.push(cost);

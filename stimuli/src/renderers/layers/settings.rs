@@ -1,6 +1,7 @@
 //! What can be set of the layers, and what a study is told about it.
 
 use crate::foveation::plan::{LayerPlan, optimise, slope_from_quality_index};
+use crate::geometry::Cone;
 use crate::parameters::{number, text};
 use experiments::catalogue::{DetailLaw, ParameterError, ParameterSchema, Parameters, RendererInfo};
 use experiments::display::Display;
@@ -126,6 +127,8 @@ pub(super) enum Jitter {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Settings {
     pub(super) plan: LayerPlan,
+    /// The innermost layer that has any pixels with the gaze in the middle of the display.
+    fovea: usize,
     pub(super) half_rate: bool,
     jitter: Jitter,
     reprojection: bool,
@@ -145,8 +148,12 @@ impl Settings {
         let layers = text(parameters, "layers")?.parse().unwrap_or(3);
         let quality_index = number(parameters, "quality_index")?;
         let m = if quality_index > 0.0 { slope_from_quality_index(quality_index) } else { number(parameters, "m")? };
+        let plan = optimise(display, m, number(parameters, "omega0_deg")?, layers, restrict_s2);
+        let has_pixels = |radius_deg| Cone::new(display, [0.0; 2], radius_deg).bounds().is_some();
+        let fovea = plan.layers.iter().position(|layer| has_pixels(layer.radius_deg)).unwrap_or_default();
         Ok(Self {
-            plan: optimise(display, m, number(parameters, "omega0_deg")?, layers, restrict_s2),
+            plan,
+            fovea,
             half_rate: on("half_rate")?,
             jitter: match text(parameters, "jitter")? {
                 "outer" => Jitter::Outer,
@@ -167,10 +174,21 @@ impl Settings {
         self.plan.layers.len()
     }
 
+    /// Whether layer `index` is what the fovea sees: the innermost one that has any pixels and, where a display is so coarse
+    /// that the next one has its own sampling too, that one as well.
+    pub(super) fn is_inner(&self, index: usize) -> bool {
+        index <= self.fovea || self.plan.layers.get(index).is_some_and(|layer| layer.sampling_factor <= 1.0)
+    }
+
+    /// Whether layer `index` is drawn in every other frame only.
+    pub(super) fn rests(&self, index: usize) -> bool {
+        self.half_rate && !self.is_inner(index)
+    }
+
     /// Whether layer `index` is jittered.
     pub(super) fn jitters(&self, index: usize) -> bool {
         match self.jitter {
-            Jitter::Outer => index > 0,
+            Jitter::Outer => !self.is_inner(index),
             Jitter::All => true,
             Jitter::Off => false,
         }
@@ -178,7 +196,7 @@ impl Settings {
 
     /// Whether layer `index` is averaged with its earlier pictures.
     pub(super) fn reprojects(&self, index: usize) -> bool {
-        self.reprojection && (index > 0 || self.jitter == Jitter::All)
+        self.reprojection && (!self.is_inner(index) || self.jitter == Jitter::All)
     }
 
     /// Share of the triangles that layer `index` gets.

@@ -33,8 +33,7 @@ pub(super) fn needed(display: &Display, settings: &Settings, index: usize, gaze_
 /// The view in which layer `index` shows `needed` when it is drawn.
 pub(super) fn view(display: &Display, settings: &Settings, index: usize, needed: PixelBox) -> View {
     let sampling_factor = settings.plan.layers.get(index).map_or(1.0, |layer| layer.sampling_factor);
-    let rests = settings.half_rate && index > 0;
-    let margin = if rests { (RESTING_MARGIN * sampling_factor).ceil() as u32 } else { 0 };
+    let margin = if settings.rests(index) { (RESTING_MARGIN * sampling_factor).ceil() as u32 } else { 0 };
     let [width, height] = display.resolution_px();
     let reach = PixelBox {
         left: needed.left.saturating_sub(margin),

@@ -2,7 +2,7 @@
 //! picture depends on its own input alone.
 
 use super::{STILL, settings};
-use crate::common::{Setup, display, eccentricities, looking_at, pixel_centre};
+use crate::common::{Setup, display, eccentricities, looking_at, numbers, pixel_centre};
 use experiments::catalogue::Parameters;
 use experiments::display::Display;
 use stimuli::{FrameInput, optimise};
@@ -159,6 +159,26 @@ fn odd_displays_and_gazes_give_pictures() {
                     assert!(cost.pixels_shaded <= 4 * display.pixels() + 64);
                 }
             }
+        }
+    }
+}
+
+/// On a display so coarse that the fovea falls to the second layer, that one is drawn in every frame and neither jittered
+/// nor averaged: the gaze's surroundings are the reference in every frame.
+#[test]
+fn the_layer_that_the_fovea_sees_never_rests() {
+    let display = display([120, 68], [531.0, 299.0], 600.0);
+    for quality_index in [6.0, 12.0, 22.0] {
+        let parameters = numbers([("quality_index", quality_index)]);
+        let mut setup = Setup::new(&display, ("orbit", &Parameters::new()), ("layers", &parameters));
+        let mut reference = Setup::new(&display, ("orbit", &Parameters::new()), ("reference", &Parameters::new()));
+        setup.renderer.begin();
+        for frame in 0..4 {
+            let input = FrameInput { animation_s: 0.1 * f64::from(frame), ..FrameInput::default() };
+            let (shown, _) = setup.frame(&input);
+            let (full, _) = reference.frame(&input);
+            let middle = 4 * (34 * 120 + 60);
+            assert_eq!(shown[middle..middle + 3], full[middle..middle + 3], "j {quality_index}, frame {frame}");
         }
     }
 }
