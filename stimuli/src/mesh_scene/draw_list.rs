@@ -18,6 +18,15 @@ pub(super) struct Draw {
     distance: f32,
 }
 
+impl Draw {
+    fn triangles(&self) -> u32 {
+        (self.indices.end - self.indices.start) / 3
+    }
+}
+
+/// Triangles of a draw beyond which no chunk is added: a draw that spans a hall would not be nearer than anything.
+const LONGEST_RUN: u32 = 4096;
+
 /// Which pipeline draws a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct DrawKind {
@@ -85,19 +94,29 @@ impl DrawList {
                 mesh.level_of(detail.triangles(distance_m, share))
             });
             let kind = DrawKind::of(material, place);
+            // Chunks that follow each other in the buffer and are both seen are one draw.
+            let mut run: Option<Draw> = None;
             for chunk in on_gpu.chunks(object.mesh, level).iter().filter(|chunk| visible(chunk, place)) {
                 let [low, high] = moved_box(chunk.bounds, place);
-                draws.push(Draw {
-                    object: index,
-                    indices: chunk.indices.clone(),
-                    base_vertex: chunk.base_vertex,
-                    kind,
-                    distance: eye.clamp(low, high).distance(eye),
-                });
+                let distance = eye.clamp(low, high).distance(eye);
+                match &mut run {
+                    Some(draw) if draw.indices.end == chunk.indices.start && draw.triangles() < LONGEST_RUN => {
+                        draw.indices.end = chunk.indices.end;
+                        draw.distance = draw.distance.min(distance);
+                    }
+                    _ => draws.extend(run.replace(Draw {
+                        object: index,
+                        indices: chunk.indices.clone(),
+                        base_vertex: chunk.base_vertex,
+                        kind,
+                        distance,
+                    })),
+                }
             }
+            draws.extend(run);
         }
         draws.sort_by(|a, b| a.distance.total_cmp(&b.distance));
-        let triangles = draws.iter().map(|draw| u64::from(draw.indices.end - draw.indices.start) / 3).sum();
+        let triangles = draws.iter().map(|draw| u64::from(draw.triangles())).sum();
         Self { draws, triangles }
     }
 }

@@ -11,7 +11,7 @@ use std::ops::Range;
 use wgpu::util::DeviceExt;
 
 /// Triangles of a chunk, about: fewer are left out more often, more are drawn with fewer calls.
-const CHUNK_TRIANGLES: usize = 1024;
+const CHUNK_TRIANGLES: usize = 192;
 /// Longest side of a map, pixels.
 const LARGEST_MAP: u32 = 1024;
 

@@ -156,7 +156,9 @@ impl Pipelines {
         let [colour, holes, sky] = output.entries();
         let (vertex, fragment) = match kind {
             None => ("cover_far", sky),
-            Some(kind) => ("transform", if kind.holes { holes } else { colour }),
+            Some(kind) if kind.holes => ("transform", holes),
+            Some(_) if output == Output::Motion => ("transform_for_motion", colour),
+            Some(_) => ("transform", colour),
         };
         let (module, layout) = match output.is_counted() {
             true => (self.counted_module(gpu), &self.counted_layout),

@@ -79,10 +79,24 @@ fn colour_with_holes(covered: Covered) -> @location(0) vec4f {
     return half_colour(shade(surface_at(place)));
 }
 
+// What motion needs of a vertex, and no more: software devices take their time over each number of each.
+struct Moved {
+    @builtin(position) clip: vec4f,
+    @location(0) mesh: vec3f,
+    @location(1) world: vec3f,
+    @location(2) @interpolate(flat) object: u32,
+}
+
+@vertex
+fn transform_for_motion(@location(0) position: vec3f, @builtin(instance_index) object: u32) -> Moved {
+    let world = rows_times(objects[object].now, vec4f(position, 1.0));
+    return Moved(frame.clip * vec4f(world, 1.0), position, world, object);
+}
+
 @fragment
-fn motion(covered: Covered) -> @location(0) vec4f {
-    let then = rows_times(objects[covered.object].then, vec4f(covered.mesh, 1.0));
-    return motion_of(covered.world, then, display_px(covered.clip), false);
+fn motion(moved: Moved) -> @location(0) vec4f {
+    let then = rows_times(objects[moved.object].then, vec4f(moved.mesh, 1.0));
+    return motion_of(moved.world, then, display_px(moved.clip), false);
 }
 
 @fragment

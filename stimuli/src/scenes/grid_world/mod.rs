@@ -37,7 +37,7 @@ pub(crate) fn info() -> SceneInfo {
     parameters.push(ParameterSchema::number(
         "pattern_samples",
         "",
-        1.0..=16.0,
+        1.0..=64.0,
         1.0,
         "How many points of a procedural pattern are averaged in each pixel; whole numbers. More make smoother pictures of \
          an expensive shader.",
