@@ -154,7 +154,7 @@ impl DrawRequest<'_> {
 ///
 /// A scene is made for one display, so that a degree in the scene is a degree on the display. Its light is linear: 0 is
 /// black, and what [`Scene::light`] makes of it is shown. Flat pictures are relative to the display's peak, so that 1 is
-/// the most it can show; scenes of light and surfaces may be brighter.
+/// the most it can show; scenes of light and surfaces may be brighter, up to what is shown as white.
 pub trait Scene: Send {
     /// Records the drawing of `request` into `target`.
     ///

@@ -32,6 +32,16 @@ impl ToneMap {
 }
 
 impl SceneLight {
+    /// The least light of the scene that is shown as 1: what is brighter looks the same.
+    #[must_use]
+    pub fn white(&self) -> f64 {
+        let shown_as_one = match self.tone_map {
+            ToneMap::Clamp => 1.0,
+            ToneMap::Filmic => WHITE,
+        };
+        shown_as_one / self.exposure.max(f64::MIN_POSITIVE)
+    }
+
     /// What is shown of a colour of the scene: linear, 0–1 in each channel.
     #[must_use]
     pub fn shown(self, light: [f64; 3]) -> [f64; 3] {

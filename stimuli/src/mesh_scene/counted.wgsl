@@ -4,7 +4,7 @@
 @early_depth_test(force)
 fn colour_counted(covered: Covered) -> @location(0) vec4f {
     count_run(display_px(covered.clip));
-    return half_colour(shade(surface_at(place_of(covered))));
+    return seen(shade(surface_at(place_of(covered))));
 }
 
 @fragment
@@ -14,7 +14,7 @@ fn colour_with_holes_counted(covered: Covered) -> @location(0) vec4f {
         discard;
     }
     count_run(display_px(covered.clip));
-    return half_colour(shade(surface_at(place)));
+    return seen(shade(surface_at(place)));
 }
 
 @fragment

@@ -12,5 +12,5 @@ fn shade_texels(normal_roughness: vec4f, albedo_metalness: vec4f, emission: vec4
     s.metalness = albedo_metalness.w;
     s.emission = emission.rgb;
     s.open = clamp(2.0 * emission.a - 1.0, 0.0, 1.0);
-    return shade(s);
+    return seen(shade(s)).rgb;
 }

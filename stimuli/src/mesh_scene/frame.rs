@@ -31,6 +31,8 @@ struct FrameUniform {
     pattern_samples: u32,
     sky_levels: u32,
     four: u32,
+    white: f32,
+    reserved: [f32; 3],
 }
 
 /// `Object` of `world.wgsl`.
@@ -84,6 +86,8 @@ impl Frame {
             pattern_samples: world.pattern_samples,
             sky_levels: on_gpu.sky_levels,
             four: 4,
+            white: world.light.white() as f32,
+            reserved: [0.0; 3],
         };
         let places: Vec<Affine3A> = world.objects.iter().map(|object| object.motion.at(request.animation_s)).collect();
         let records = object_records(world, &places, request.animation_s, then_s);

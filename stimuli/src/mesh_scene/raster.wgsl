@@ -67,7 +67,7 @@ fn display_px(clip: vec4f) -> vec2f {
 
 @fragment
 fn colour(covered: Covered) -> @location(0) vec4f {
-    return half_colour(shade(surface_at(place_of(covered))));
+    return seen(shade(surface_at(place_of(covered))));
 }
 
 @fragment
@@ -76,7 +76,7 @@ fn colour_with_holes(covered: Covered) -> @location(0) vec4f {
     if cut_out(place) {
         discard;
     }
-    return half_colour(shade(surface_at(place)));
+    return seen(shade(surface_at(place)));
 }
 
 // What motion needs of a vertex, and no more: software devices take their time over each number of each.
@@ -120,7 +120,7 @@ fn sky_light(clip: vec4f) -> vec4f {
     // The level whose texels are about as large as the pixel.
     let pixel_rad = length(frame.geometry.pitch_per_distance * frame.step_px) * 0.7 / length(ray);
     let texel_rad = PI / f32(textureDimensions(sky_map).y);
-    return half_colour(sky_in_direction(normalize(ray), max(log2(pixel_rad / texel_rad), 0.0)));
+    return seen(sky_in_direction(normalize(ray), max(log2(pixel_rad / texel_rad), 0.0)));
 }
 
 @fragment

@@ -212,8 +212,8 @@ fn radiance_along(origin: vec3f, direction: vec3f, pixel_rad: f32) -> vec3f {
     let hit = trace(origin, direction, 1e30, false);
     if hit.distance < 0.0 {
         let texel_rad = PI / f32(textureDimensions(sky_map).y);
-        return sky_in_direction(normalize(direction), max(log2(pixel_rad / texel_rad), 0.0));
+        return seen(sky_in_direction(normalize(direction), max(log2(pixel_rad / texel_rad), 0.0))).rgb;
     }
     let footprint = pixel_rad * hit.distance * length(direction);
-    return shade(surface_at(place_of_hit(hit, origin, direction, footprint)));
+    return seen(shade(surface_at(place_of_hit(hit, origin, direction, footprint)))).rgb;
 }

@@ -282,5 +282,5 @@ fn shade(s: Surface) -> vec3f {
     let level = f32(frame.sky_levels - 1u) * clamp(1.15 * sqrt(s.roughness) - 0.1, 0.0, 0.92);
     colour += s.open * ambient_light(s.normal) * s.albedo * (1.0 - s.metalness) * (1.0 - mirrored);
     colour += s.open * sky_in_direction(reflect(-s.view, s.normal), level) * mirrored;
-    return min(colour, vec3f(6e4));
+    return colour;
 }

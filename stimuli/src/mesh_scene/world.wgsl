@@ -32,6 +32,11 @@ struct Frame {
     sky_levels: u32,
     // 4, where a compiler must not know it: it would write loops out, and then take seconds for each material.
     four: u32,
+    // The least light that a display shows as white.
+    white: f32,
+    reserved0: f32,
+    reserved1: f32,
+    reserved2: f32,
 }
 
 struct Object {
@@ -120,6 +125,12 @@ fn rows_times(rows: array<vec4f, 3>, at: vec4f) -> vec3f {
 fn ray_through(px: vec2f) -> vec3f {
     let plane = plane_from_px(frame.geometry, px);
     return frame.forward.xyz + frame.right.xyz * plane.x + frame.up.xyz * plane.y;
+}
+
+// Light as it leaves for a picture. What is brighter than white looks the same, but a filter would spread it over its
+// surroundings as light that no display sends out.
+fn seen(colour: vec3f) -> vec4f {
+    return half_colour(min(colour, vec3f(min(frame.white, 6e4))));
 }
 
 // What `MotionRequest` asks for, of a place that is at `now` and was at `then`; of a direction where `at_infinity`.
