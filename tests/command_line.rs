@@ -270,7 +270,7 @@ fn what_cannot_be_used_is_refused_with_exit_code_2_and_nothing_is_written() {
         (&[&["render"], &picture, &["--set", "colour=3"]], "colour"),
         (&[&["render"], &picture, &["--size", "0x540"]], "from 16 to 16384"),
         (&[&["render"], &picture, &["--size", "99999x540"]], "from 16 to 16384"),
-        (&[&["render"], &picture, &["--size", "wide"]], "960x540"),
+        (&[&["render"], &picture, &["--size", "wide"]], "1920x1080"),
         (&[&["render"], &picture, &["--size", "16384x16384"]], "at most 67108864 pixels"),
         (&[&["render"], &picture, &["--time", "NaN"]], "number of seconds"),
         (&[&["render"], &picture, &["--time", "1e300"]], "number of seconds"),

@@ -11,33 +11,11 @@ use crate::pass;
 /// WGSL of group 0. Its functions: `ray_through(px) -> vec3f` (direction through a display pixel, one unit deep),
 /// `surface_at(Place) -> Surface`, `shade(Surface) -> vec3f`, `sky_in_direction(direction, level) -> vec3f`, and
 /// `shade_texels(…) -> vec3f` for a pixel of a [`GBuffer`].
-pub const SHADING_WGSL: &str = concat!(
-    include_str!("geometry.wgsl"),
-    "\n",
-    include_str!("mesh_scene/world.wgsl"),
-    "\n",
-    include_str!("mesh_scene/patterns.wgsl"),
-    "\n",
-    include_str!("mesh_scene/shading.wgsl"),
-    "\n",
-    include_str!("mesh_scene/deferred.wgsl")
-);
+pub const SHADING_WGSL: &str = crate::mesh_scene::pipelines::SHADING_WGSL;
 
 /// [`SHADING_WGSL`] and group 1: `trace(origin, direction, farthest, any) -> Hit`, `place_of_hit(…) -> Place`, and
 /// `radiance_along(origin, direction, pixel_rad) -> vec3f`, the light along a ray as the rasterised picture shows it.
-pub const RAYS_WGSL: &str = concat!(
-    include_str!("geometry.wgsl"),
-    "\n",
-    include_str!("mesh_scene/world.wgsl"),
-    "\n",
-    include_str!("mesh_scene/patterns.wgsl"),
-    "\n",
-    include_str!("mesh_scene/shading.wgsl"),
-    "\n",
-    include_str!("mesh_scene/deferred.wgsl"),
-    "\n",
-    include_str!("mesh_scene/rays.wgsl")
-);
+pub const RAYS_WGSL: &str = crate::mesh_scene::pipelines::RAYS_WGSL;
 
 /// A scene whose surfaces can be had; see [`crate::contract::Scene::surfaces`].
 pub trait Surfaces {

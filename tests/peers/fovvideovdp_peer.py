@@ -1,7 +1,9 @@
-"""How different eccentricity layers look from the reference to FovVideoVDP (Mantiuk et al. 2021), by quality index j.
+r"""How different eccentricity layers look from the reference to FovVideoVDP (Mantiuk et al. 2021), by quality index j.
 
     apt-get install python3-torch python3-venv          (a torch without CUDA)
-    /usr/bin/python3 -m venv --system-site-packages venv && venv/bin/pip install pyfvvdp==1.2.2
+    /usr/bin/python3 -m venv --system-site-packages venv && \
+        venv/bin/pip install --no-deps pyfvvdp==1.2.2 && \
+        venv/bin/pip install pillow "numpy<2" "scipy<1.14" imageio ffmpeg-python
     venv/bin/python fovvideovdp_peer.py ../../target/release/parafovea SCENE [SCENE ...]
 
 The program renders each scene at 960 x 540 pixels on Guenter's display (51 cm wide at 59 cm) with the gaze off the middle,
@@ -30,7 +32,7 @@ GAZE_DEG = (4.0, -2.0)
 def render(program, scene, renderer, settings, file):
     command = [program, "render", "--scene", scene, "--renderer", renderer, "--display", "guenter-2012",
                "--size", f"{SIZE[0]}x{SIZE[1]}", f"--gaze={GAZE_DEG[0]},{GAZE_DEG[1]}", "--time", "0.5",
-               "--frames", "20", "--fps", "60", "--out", str(file), "--json"]
+               "--frames", "12", "--fps", "60", "--out", str(file), "--json"]
     for name, value in settings:
         command += ["--set", f"{name}={value}"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
@@ -40,7 +42,7 @@ def render(program, scene, renderer, settings, file):
 
 def main():
     program, scenes = sys.argv[1], sys.argv[2:]
-    geometry = pyfvvdp.fvvdp_display_geometry(SIZE, distance_m=DISTANCE_M, fixed_view=False,
+    geometry = pyfvvdp.fvvdp_display_geometry(SIZE, distance_m=DISTANCE_M,
                                               diagonal_size_inches=WIDTH_M * np.hypot(1, SIZE[1] / SIZE[0]) / 0.0254)
     photometry = pyfvvdp.fvvdp_display_photo_eotf(PEAK, contrast=1000, EOTF="sRGB", E_ambient=0)
     judge = pyfvvdp.fvvdp(display_geometry=geometry, display_photometry=photometry, foveated=True, device=torch.device("cpu"))

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 /// What a session was given of its study. It is in the session's header.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Assignment {
     /// The observer's number in the study, from 0: decides the row of Latin squares.
     pub number: u32,

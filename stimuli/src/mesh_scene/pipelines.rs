@@ -36,6 +36,32 @@ pub(crate) const COUNTED_WGSL: &str = concat!(
     include_str!("counted.wgsl")
 );
 
+/// What [`crate::surfaces::SHADING_WGSL`] is.
+pub(crate) const SHADING_WGSL: &str = concat!(
+    include_str!("../geometry.wgsl"),
+    "\n",
+    include_str!("world.wgsl"),
+    "\n",
+    include_str!("patterns.wgsl"),
+    "\n",
+    include_str!("shading.wgsl"),
+    "\n",
+    include_str!("deferred.wgsl")
+);
+/// What [`crate::surfaces::RAYS_WGSL`] is.
+pub(crate) const RAYS_WGSL: &str = concat!(
+    include_str!("../geometry.wgsl"),
+    "\n",
+    include_str!("world.wgsl"),
+    "\n",
+    include_str!("patterns.wgsl"),
+    "\n",
+    include_str!("shading.wgsl"),
+    "\n",
+    include_str!("deferred.wgsl"),
+    "\n",
+    include_str!("rays.wgsl")
+);
 /// The attribute by which counted shaders have depth tested before.
 const EARLY_DEPTH: &str = "@early_depth_test(force)";
 /// What a pass writes.

@@ -14,7 +14,7 @@ pub struct NamedFile {
 
 /// What a file is. Paths are relative to the study's own folder.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FileSource {
     /// A renderer in WGSL.
     Wgsl {
