@@ -45,8 +45,8 @@ impl From<WorldError> for AddError {
 }
 
 impl Registry {
-    /// Adds a renderer written in WGSL. `file` is its name in messages; see [`crate::renderers::wgsl`] for what it may
-    /// say. The text is compiled for no device here, but checked as far as that goes.
+    /// Adds a renderer written in WGSL. `file` is its name in messages; what it may say is told beside the
+    /// examples in `experiments/studies/own-renderers`. The text is compiled for no device here, but checked as far as that goes.
     ///
     /// # Errors
     /// Every mistake at the file's own line and column, or a name that is in use.
