@@ -11,23 +11,17 @@ use crate::world::mesh::Vertex;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-pub(crate) const WGSL: &str = concat!(
-    include_str!("world.wgsl"),
-    "\n",
-    include_str!("patterns.wgsl"),
-    "\n",
-    include_str!("shading.wgsl"),
-    "\n",
-    include_str!("raster.wgsl"),
-    "\n",
-    include_str!("g_buffer.wgsl")
-);
+/// The text of group 0 and the shading function, which all of these begin with.
+macro_rules! shading {
+    () => {
+        concat!(include_str!("world.wgsl"), "\n", include_str!("patterns.wgsl"), "\n", include_str!("shading.wgsl"))
+    };
+}
+
+pub(crate) const WGSL: &str =
+    concat!(shading!(), "\n", include_str!("raster.wgsl"), "\n", include_str!("g_buffer.wgsl"));
 pub(crate) const COUNTED_WGSL: &str = concat!(
-    include_str!("world.wgsl"),
-    "\n",
-    include_str!("patterns.wgsl"),
-    "\n",
-    include_str!("shading.wgsl"),
+    shading!(),
     "\n",
     include_str!("raster.wgsl"),
     "\n",
@@ -35,28 +29,14 @@ pub(crate) const COUNTED_WGSL: &str = concat!(
     "\n",
     include_str!("counted.wgsl")
 );
-
 /// What [`crate::surfaces::SHADING_WGSL`] is.
-pub(crate) const SHADING_WGSL: &str = concat!(
-    include_str!("../geometry.wgsl"),
-    "\n",
-    include_str!("world.wgsl"),
-    "\n",
-    include_str!("patterns.wgsl"),
-    "\n",
-    include_str!("shading.wgsl"),
-    "\n",
-    include_str!("deferred.wgsl")
-);
+pub(crate) const SHADING_WGSL: &str =
+    concat!(include_str!("../geometry.wgsl"), "\n", shading!(), "\n", include_str!("deferred.wgsl"));
 /// What [`crate::surfaces::RAYS_WGSL`] is.
 pub(crate) const RAYS_WGSL: &str = concat!(
     include_str!("../geometry.wgsl"),
     "\n",
-    include_str!("world.wgsl"),
-    "\n",
-    include_str!("patterns.wgsl"),
-    "\n",
-    include_str!("shading.wgsl"),
+    shading!(),
     "\n",
     include_str!("deferred.wgsl"),
     "\n",
