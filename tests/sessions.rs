@@ -14,7 +14,7 @@ use tempfile::{TempDir, tempdir};
 const GAZE: &str = "t_s,arrived_s,t_device_s,x_px,y_px,x_deg,y_deg,valid,pupil_mm,left_x_px,left_y_px,left_valid,\
     left_pupil_mm,right_x_px,right_y_px,right_valid,right_pupil_mm";
 const FRAMES: &str = "index,phase_seq,trial,phase,scheduled_s,presented_s,missed,animation_s,gaze_row,gaze_age_s,\
-    pixels_shaded,gpu_time_s,hash,target_x_deg,target_y_deg";
+    pixels_shaded,gpu_time_s,hash,target_x_deg,target_y_deg,signature";
 
 fn read(path: &Path) -> Vec<u8> {
     std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))

@@ -73,6 +73,7 @@ pub const TRIALS: &[Column] = &[
     column("began_s", "s", "when the trial began, seconds since the session's start"),
     column("ended_s", "s", "when it ended"),
     column("repetition", "", "which repetition of its cell and level, from 1, where the design counts them"),
+    column("part", "", "part of the session, from 1: a session that was ended or killed and gone on with has several"),
 ];
 
 /// Every phase of every trial that ended: each move of a slider and each toggle is one.
@@ -148,6 +149,11 @@ pub const FRAMES: &[Column] = &[
         "where observers were to look during a stimulus: right of the display's centre; empty in free viewing",
     ),
     column("target_y_deg", "deg", "the same: above the display's centre"),
+    column(
+        "signature",
+        "",
+        "mean red, green and blue of 6 × 3 parts of the frame, row by row from the top left, in hex, where it was read back",
+    ),
 ];
 
 /// One threshold for each observer and eccentricity.

@@ -158,6 +158,7 @@ fn trials(sessions: &[SessionFolder], names: &TrialNames, table: &mut Table) -> 
                 record.began_s.to_string(),
                 record.ended_s.to_string(),
                 trial.repetition.map_or_else(String::new, |repetition| repetition.to_string()),
+                record.part.to_string(),
             ];
             let factors = names.factors.iter().map(|name| trial.factors.get(name).cloned().unwrap_or_default());
             let levels = names.levels.iter().map(|name| real(trial.level.get(name).copied()));

@@ -86,10 +86,14 @@ pub struct FrameRow {
     /// The same, degrees above the centre.
     #[serde(default)]
     pub target_y_deg: Option<f64>,
+    /// Mean colours of the frame's parts ([`crate::stage::frame_hash`]), where it was read back: what a replay on another
+    /// graphics adapter, whose rounding differs, is held against.
+    #[serde(default)]
+    pub signature: Option<String>,
 }
 
 /// Columns of `frames.csv`, in the order of [`FrameRow`]'s fields.
-pub const FRAME_COLUMNS: [&str; 15] = [
+pub const FRAME_COLUMNS: [&str; 16] = [
     "index",
     "phase_seq",
     "trial",
@@ -105,6 +109,7 @@ pub const FRAME_COLUMNS: [&str; 15] = [
     "hash",
     "target_x_deg",
     "target_y_deg",
+    "signature",
 ];
 
 /// A frame as a CSV line, with its newline.
@@ -128,6 +133,7 @@ pub fn frame_line(row: &FrameRow) -> String {
         row.hash.clone().unwrap_or_default(),
         real(row.target_x_deg),
         real(row.target_y_deg),
+        row.signature.clone().unwrap_or_default(),
     ]
     .join(",");
     line.push('\n');
@@ -233,6 +239,7 @@ mod tests {
             hash: Some("00ff".to_owned()),
             target_x_deg: (index > 0).then_some(-0.1 - 0.2),
             target_y_deg: (index > 0).then_some(1.0 / 7.0),
+            signature: (index > 0).then(|| "00ff".to_owned()),
         }
     }
 
@@ -254,7 +261,7 @@ mod tests {
     /// What a session of an earlier version looks like: without the columns at the end.
     #[test]
     fn frames_of_earlier_versions_read_back_without_what_they_did_not_have() {
-        let columns = FRAME_COLUMNS.len() - 2;
+        let columns = FRAME_COLUMNS.len() - 3;
         let text = "index,phase_seq,trial,phase,scheduled_s,presented_s,missed,animation_s,gaze_row,gaze_age_s,\
                     pixels_shaded,gpu_time_s,hash\n\
                     0,7,3,interval1,0.5,0.51,0,0.25,12,,518400,,00ff\n";

@@ -4,7 +4,7 @@
 //! machine gives the same session as a fast one. Frames whose picture has not changed are logged and not drawn again. A
 //! simulated eye is told at every frame what it is to do, since what it looks at may move.
 
-use super::frame_hash::picture_hash;
+use super::frame_hash::Fingerprint;
 use super::painter::{FrameKey, Painter};
 use super::runner::Runner;
 use crate::error::LabError;
@@ -33,7 +33,7 @@ pub fn run(
     let mut look = Look::At(runner.session().plan().gaze.fixation_deg);
     let mut answer: Option<(Answer, f64)> = None;
     let mut samples = Vec::new();
-    let mut last: Option<(FrameKey, String)> = None;
+    let mut last: Option<(FrameKey, Fingerprint)> = None;
     for frame in 0u64.. {
         let t_s = start_s + frame as f64 * frame_s;
 
@@ -87,20 +87,21 @@ pub fn run(
         if let Some(painter) = painter.as_deref_mut() {
             let key = FrameKey::from(&view);
             let unchanged = last.take().filter(|(before, _)| painter.same_picture(before, &key));
-            let hash = match unchanged {
-                Some((_, hash)) => {
+            let print = match unchanged {
+                Some((_, print)) => {
                     row.pixels_shaded = Some(0);
-                    hash
+                    print
                 }
                 None => {
                     let (picture, cost) = painter.picture(&view)?;
                     row.pixels_shaded = Some(cost.map_or(0, |cost| cost.pixels_shaded));
                     row.gpu_time_s = cost.and_then(|cost| cost.gpu_time_s);
-                    picture_hash(picture.as_raw())
+                    Fingerprint::of(picture.as_raw(), [picture.width(), picture.height()])
                 }
             };
-            row.hash = Some(hash.clone());
-            last = Some((key, hash));
+            row.hash = Some(print.hash.clone());
+            row.signature = Some(print.signature.clone());
+            last = Some((key, print));
         }
         runner.log_frame(row)?;
         runner.count_frame();

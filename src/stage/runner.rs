@@ -271,6 +271,7 @@ impl Runner {
             hash: None,
             target_x_deg: target_deg.map(|[x, _]| x),
             target_y_deg: target_deg.map(|[_, y]| y),
+            signature: None,
         })
     }
 

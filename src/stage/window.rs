@@ -508,7 +508,10 @@ impl Running {
         while let Some((row, pending)) = self.rows.front_mut() {
             if let Some(pending) = pending {
                 match pending.arrived() {
-                    Some(hash) => row.hash = hash,
+                    Some(print) => {
+                        let print = print.map(|print| (print.hash, print.signature));
+                        (row.hash, row.signature) = print.unzip();
+                    }
                     None if last => {}
                     None => return Ok(()),
                 }

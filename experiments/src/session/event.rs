@@ -15,11 +15,29 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 pub enum Event {
-    /// The log was opened. The only event that no input causes; the hash ties the journal to its header.
+    /// A mark of the log: the log was opened. The hash ties the journal to its header.
     Opened {
         /// SHA-256 of the header without its wall-clock time, in hex.
         header_sha256: String,
     },
+    /// A mark of the log: everything before it was to be on disk together.
+    Tables(Rows),
+    /// A mark of the log: the session went on after an end or a kill. The input `reopened` follows.
+    Continued(Box<Seam>),
+    /// A mark of the log: while the disk failed, more came than could be kept, and this was left out.
+    Gap {
+        /// Gaze samples that are in no table.
+        gaze_samples: u64,
+        /// Frames that are in no table.
+        frames: u64,
+    },
+    /// A mark of the log: this folder is a repaired copy, and ends where the original was sound.
+    Repaired {
+        /// What was left out, in words.
+        left_out: Vec<String>,
+    },
+    /// A mark of the log: the program ended in order, with the session finished or left.
+    Closed(Rows),
     /// The world did something. Inputs that the current phase does not accept are written too, and change nothing.
     Input {
         /// What.
@@ -97,6 +115,66 @@ pub enum Event {
     },
     /// The session is complete.
     Finished,
+}
+
+impl Event {
+    /// Whether this is a mark of the log's own, which no input causes and the machine knows nothing of.
+    #[must_use]
+    pub fn is_mark(&self) -> bool {
+        matches!(
+            self,
+            Self::Opened { .. }
+                | Self::Tables(_)
+                | Self::Continued(_)
+                | Self::Gap { .. }
+                | Self::Repaired { .. }
+                | Self::Closed(_)
+        )
+    }
+}
+
+/// How many rows the tables beside the journal have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Rows {
+    /// Rows of `gaze.csv`.
+    pub gaze_rows: u64,
+    /// Rows of `frames.csv`.
+    pub frame_rows: u64,
+}
+
+/// Where a session went on: when, with what, and what was different from then on.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Seam {
+    /// Wall-clock time, RFC 3339.
+    pub wall: String,
+    /// Name and version of the program.
+    pub program: String,
+    /// The graphics adapter and driver, where pictures are drawn.
+    pub gpu: Option<String>,
+    /// Seconds between frames from here on.
+    pub frame_s: f64,
+    /// How frames are paced from here on.
+    pub pacing: String,
+    /// What is different from what was before and was accepted with `--force`; empty for a session that goes on as it was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changed: Vec<Change>,
+    /// The study's text from here on, if that is different.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub study: Option<String>,
+    /// The display from here on, in the form of a display file, if that is different.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub display: Option<serde_json::Value>,
+}
+
+/// One difference.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Change {
+    /// Where, for example `study: blocks[0].protocol.interval_s`.
+    pub field: String,
+    /// What it was; empty if it was not there.
+    pub from: String,
+    /// What it is; empty if it is gone.
+    pub to: String,
 }
 
 /// Why a session ended before its design was complete.

@@ -2,7 +2,7 @@
 //!
 //! The record reads events only; it neither needs the plan nor runs the machine, so data outlive the study's code.
 
-use super::event::{EndReason, Event, Stamped, Trial};
+use super::event::{EndReason, Event, Seam, Stamped, Trial};
 use crate::procedures::Estimate;
 use crate::study::plan::Level;
 use crate::trial::form::Entries;
@@ -28,6 +28,8 @@ pub struct TrialRecord {
     pub estimate: Option<Estimate>,
     /// Its phases, in order.
     pub phases: Vec<PhaseRecord>,
+    /// In which part of the session it ran, from 1: a session that was ended or killed and gone on with has several.
+    pub part: u32,
 }
 
 impl TrialRecord {
@@ -86,6 +88,22 @@ pub struct Record {
     pub ended: Option<EndReason>,
     /// Times at which the session was reopened after an end or a kill, seconds.
     pub reopened_s: Vec<f64>,
+    /// What the journal says of each reopening; logs of format 1 say only when.
+    pub seams: Vec<SeamRecord>,
+    /// Gaze samples and frames that could not be kept while the disk failed.
+    pub dropped: [u64; 2],
+}
+
+/// A place where the session went on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SeamRecord {
+    /// Number of the mark in the journal.
+    pub seq: u64,
+    /// When, seconds.
+    pub t_s: f64,
+    /// With what.
+    #[serde(flatten)]
+    pub seam: Seam,
 }
 
 /// A trial that has begun.
@@ -108,7 +126,7 @@ impl Record {
         let mut record = Self::default();
         // A session has one trial at a time.
         let mut open: Option<OpenTrial> = None;
-        for Stamped { t_s, event, .. } in events {
+        for Stamped { seq, t_s, event } in events {
             match event {
                 Event::TrialBegan(trial) => {
                     open = Some(OpenTrial { trial: trial.clone(), began_s: *t_s, phases: Vec::new() });
@@ -128,6 +146,7 @@ impl Record {
                             response_time_s: *response_time_s,
                             estimate: None,
                             phases,
+                            part: u32::try_from(record.reopened_s.len()).unwrap_or(u32::MAX).saturating_add(1),
                         });
                     }
                 }
@@ -137,6 +156,13 @@ impl Record {
                     }
                 }
                 Event::Input { input: crate::trial::Input::Reopened, .. } => record.reopened_s.push(*t_s),
+                Event::Continued(seam) => {
+                    record.seams.push(SeamRecord { seq: *seq, t_s: *t_s, seam: (**seam).clone() });
+                }
+                Event::Gap { gaze_samples, frames } => {
+                    record.dropped[0] += gaze_samples;
+                    record.dropped[1] += frames;
+                }
                 Event::FormFilled { form, entries } => {
                     record.forms.push(FormRecord { form: form.clone(), t_s: *t_s, entries: entries.clone() });
                 }

@@ -45,8 +45,14 @@ pub fn refold(
     mut visit: impl FnMut(&Session, u64),
 ) -> Result<Refolded, Disagreement> {
     let (mut session, mut caused) = Session::begin(plan, seed);
-    // The log's own first event is no business of the machine.
-    let mut next = usize::from(matches!(journal.first(), Some(Stamped { event: Event::Opened { .. }, .. })));
+    // The log's own marks are no business of the machine. They stand between what inputs cause, never within.
+    let past_marks = |mut next: usize| {
+        while journal.get(next).is_some_and(|stamped| stamped.event.is_mark()) {
+            next += 1;
+        }
+        next
+    };
+    let mut next = past_marks(0);
     loop {
         // Hold what the machine gave against the journal, event by event.
         let mut began_phase = None;
@@ -73,6 +79,7 @@ pub fn refold(
         }
 
         // The next event is an input, or the journal ends here.
+        next = past_marks(next);
         match journal.get(next) {
             None => return Ok(Refolded { session, missing: Vec::new() }),
             Some(Stamped { event: Event::Input { input, .. }, t_s, .. }) => caused = session.handle(*t_s, *input),
