@@ -35,34 +35,8 @@ fn session_in_memory(plan: &Arc<Plan>, text: &str, seed: u64) -> SessionFolder {
     let events = simulate(plan, seed, observer.as_mut());
     let record = Record::from_events(&events);
     assert!(record.finished, "seed {seed}");
-    let header = Header {
-        format: FORMAT,
-        observer: "SIM".to_owned(),
-        started: String::new(),
-        study: StudyText {
-            name: plan.name.clone(),
-            title: plan.title.clone(),
-            file: plan.name.clone(),
-            sha256: sha256_hex(text.as_bytes()),
-            text: text.to_owned(),
-        },
-        files: Vec::new(),
-        display: DisplayRecord::from(&plan.display),
-        assignment: Default::default(),
-        seed,
-        generator: String::new(),
-        gaze_source: serde_json::Value::Null,
-        simulated: None,
-        stage: StageRecord {
-            kind: "offscreen".to_owned(),
-            rendered: false,
-            frame_s: 1.0 / plan.display.refresh_hz(),
-            pacing: "none".to_owned(),
-            gpu: None,
-        },
-        program: Program::here(),
-    };
-    let journal = Journal { events, sound_bytes: 0, damage: None };
+    let header = Header::new(plan, text, "SIM", seed, StageRecord::offscreen(&plan.display, false));
+    let journal = Journal::in_memory(events);
     SessionFolder {
         path: PathBuf::from(format!("seed-{seed}")),
         header,

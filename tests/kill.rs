@@ -15,6 +15,7 @@ use experiments::session::{Event, Stamped};
 use experiments::study::parse_study;
 use experiments::trial::{Input, Outcome, PhaseName};
 use parafovea::session::SessionFolder;
+use parafovea::session::header::FORMAT;
 use parafovea::session::journal::{self, Journal};
 use rand::RngExt;
 use serde_json::json;
@@ -122,7 +123,7 @@ fn a_killed_session_keeps_everything_that_was_acknowledged_and_says_what_was_cut
 
         let bytes = std::fs::read(path.join("events.jsonl")).unwrap();
         assert!(bytes.starts_with(&seen), "what was on disk before the kill is there after it");
-        let Journal { events, damage, .. } = journal::read(&bytes);
+        let Journal { events, damage, .. } = journal::read(&bytes, FORMAT);
         let torn = bytes.last().is_some_and(|&byte| byte != b'\n');
         assert_eq!(damage.is_some(), torn, "{damage:?}");
         let before = contents(&path);
@@ -251,18 +252,20 @@ fn as_if_killed(whole: &SessionFolder, bytes: usize, lag_s: f64, to: &Path) {
     copy_folder(&whole.path, to);
     let events = std::fs::read(whole.path.join("events.jsonl")).unwrap();
     std::fs::write(to.join("events.jsonl"), &events[..bytes]).unwrap();
-    let kept = journal::read(&events[..bytes]).events;
-    let saved_s = kept
-        .iter()
-        .rfind(|stamped| matches!(stamped.event, Event::Input { input: Input::Saved, .. }))
-        .map_or(0.0, |saved| saved.t_s);
-    let until_s = (kept.last().map_or(0.0, |last| last.t_s) + lag_s).max(saved_s);
-    for (file, time_column) in [("gaze.csv", 1), ("frames.csv", 4)] {
+    let kept = journal::read(&events[..bytes], FORMAT).events;
+    // A mark in the journal is written when the rows that it counts are on disk.
+    let on_disk = kept.iter().rev().find_map(|stamped| match stamped.event {
+        Event::Tables(rows) | Event::Closed(rows) => Some(rows),
+        _ => None,
+    });
+    let on_disk = on_disk.unwrap_or_default();
+    let until_s = kept.last().map_or(0.0, |last| last.t_s) + lag_s;
+    for (file, time_column, least) in [("gaze.csv", 1, on_disk.gaze_rows), ("frames.csv", 4, on_disk.frame_rows)] {
         let text = std::fs::read_to_string(whole.path.join(file)).unwrap();
         let mut kept = String::new();
         for (number, line) in text.split_inclusive('\n').enumerate() {
             let time = || line.split(',').nth(time_column).unwrap().parse::<f64>().unwrap();
-            if number > 0 && time() > until_s {
+            if number as u64 > least && time() > until_s {
                 // The last line is torn.
                 kept.push_str(&line[..line.len() / 2]);
                 break;
@@ -285,7 +288,7 @@ fn a_session_that_was_cut_at_any_byte_goes_on_and_completes_its_design() {
     write_json(folder.path(), "study.json", &small_study("small", 2));
     let unbroken = SessionFolder::open(&session(folder.path(), "study.json", "data", 33, &["--no-render"])).unwrap();
     let size = usize::try_from(std::fs::metadata(unbroken.path.join("events.jsonl")).unwrap().len()).unwrap();
-    let first_line = journal::line_from_event(&unbroken.journal.events[0]).len();
+    let first_line = line_bytes(&unbroken, 1);
     let mut random = random();
     for _ in 0..24 {
         let bytes = random.random_range(first_line..size - 200);
@@ -307,6 +310,12 @@ fn a_session_that_was_cut_at_any_byte_goes_on_and_completes_its_design() {
     }
 }
 
+/// The length, in bytes, of a journal's first lines.
+fn line_bytes(session: &SessionFolder, lines: usize) -> usize {
+    let bytes = std::fs::read(session.path.join("events.jsonl")).unwrap();
+    bytes.split_inclusive(|&byte| byte == b'\n').take(lines).map(<[u8]>::len).sum()
+}
+
 /// What a trial asked and what was answered, without its times.
 fn asked_and_answered(session: &SessionFolder) -> Vec<impl PartialEq + std::fmt::Debug + use<>> {
     session.record.trials.iter().map(|record| (record.trial.clone(), record.outcome.clone())).collect()
@@ -323,7 +332,7 @@ fn a_session_that_was_cut_between_two_trials_goes_on_exactly_as_if_it_had_not_be
         // Behind the consequences of the answer: the trial's end and the wait for the disk.
         let ended = |stamped: &Stamped| matches!(stamped.event, Event::TrialEnded { trial: one, .. } if one == trial);
         let at = unbroken.journal.events.iter().position(ended).unwrap() + random.random_range(1..3);
-        let bytes = unbroken.journal.events[..at].iter().map(|event| journal::line_from_event(event).len()).sum();
+        let bytes = line_bytes(&unbroken, at);
         println!("cut behind trial {trial}, event {at}");
         let cut = folder.path().join("cut");
         as_if_killed(&unbroken, bytes, 0.1, &cut.join("session"));

@@ -5,6 +5,7 @@
 
 use analysis::answers::{Protocol, Summary};
 use experiments::Display;
+use experiments::session::event::Rules;
 use experiments::session::record::{FormRecord, PhaseRecord, Record, TrialRecord};
 use experiments::session::{Event, Stamped, Trial};
 use experiments::trial::form::Entry;
@@ -14,6 +15,7 @@ use parafovea::results::{document, fit_sessions};
 use parafovea::session::SessionFolder;
 use parafovea::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
 use parafovea::session::journal::Journal;
+use parafovea::session::tables::{FrameRow, GazeRow, Layout};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,8 +25,8 @@ fn session(path: &Path, observer: &str, study: &Value, record: Record) -> Sessio
     let display = Display::named("guenter-2012").unwrap();
     std::fs::create_dir_all(path).unwrap();
     // Tables are read from the folder; these sessions have no rows in theirs.
-    std::fs::write(path.join("gaze.csv"), "t_s\n").unwrap();
-    std::fs::write(path.join("frames.csv"), "index\n").unwrap();
+    std::fs::write(path.join("gaze.csv"), Layout::<GazeRow>::new(FORMAT).1).unwrap();
+    std::fs::write(path.join("frames.csv"), Layout::<FrameRow>::new(FORMAT).1).unwrap();
     let header = Header {
         format: FORMAT,
         observer: observer.to_owned(),
@@ -52,13 +54,14 @@ fn session(path: &Path, observer: &str, study: &Value, record: Record) -> Sessio
         },
         program: Program::here(),
     };
-    let opened = Stamped { seq: 0, t_s: 0.0, event: Event::Opened { header_sha256: String::new() } };
+    let opened =
+        Stamped { seq: 0, t_s: 0.0, event: Event::Opened { header_sha256: String::new(), rules: Rules::NEWEST } };
     SessionFolder {
         path: PathBuf::from(path),
         header,
         display,
         study: serde_json::from_value(study.clone()).unwrap_or_default(),
-        journal: Journal { events: vec![opened], sound_bytes: 0, damage: None },
+        journal: Journal::in_memory(vec![opened]),
         record,
     }
 }

@@ -9,6 +9,7 @@ use crate::results::fit_sessions;
 use crate::results::over_observers::over_observers;
 use crate::results::traces::quality;
 use crate::session::SessionFolder;
+use crate::session::disk::SystemDisk;
 use crate::session::tables::FrameRow;
 use crate::stage::launch::{OffscreenGaze, Request, StudyFile};
 use clap::Args;
@@ -50,7 +51,8 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
     say(&format!("1. The study \"{STUDY}\" with a simulated observer ({TRUTH}), seed {}", args.seed));
     let (observer, data) = ("SIM".to_owned(), args.data.clone());
     let resources = Resources::built_in();
-    let request = Request { plan, assignment, study, resources, observer, data, seed: args.seed, earlier: None };
+    let disk = Arc::new(SystemDisk);
+    let request = Request { plan, assignment, study, resources, observer, data, seed: args.seed, earlier: None, disk };
     let folder = run::offscreen_with_progress(request, &simulation, &OffscreenGaze::Simulated, !args.no_render)?;
     let sessions = [SessionFolder::open(&folder)?];
     let trials = sessions[0].record.trials.len();

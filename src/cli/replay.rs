@@ -214,6 +214,7 @@ mod tests {
             data: data.path().to_owned(),
             seed: 3,
             earlier: None,
+            disk: Arc::new(crate::session::disk::SystemDisk),
         };
         let observer = Simulation::parse("pixels").expect("valid").observer(3);
         let folder = run_offscreen(request, observer, &OffscreenGaze::Simulated, true, |_| {}).expect("runs");

@@ -3,11 +3,16 @@
 use super::{inputs, print, progress, say};
 use crate::error::LabError;
 use crate::resources::Resources;
+use crate::session::SessionFolder;
+use crate::session::changes::in_words;
+use crate::session::disk::SystemDisk;
+use crate::session::faults::{Faults, FaultyDisk};
 use crate::stage::launch::{
-    OffscreenGaze, Request, assignments, run_in_window, run_offscreen, sessions_of, take_unfinished,
+    Earlier, OffscreenGaze, Request, StudyFile, assignments, differences, run_in_window, run_offscreen, sessions_of,
+    take_newest,
 };
 use clap::Args;
-use experiments::design::assignment::{Assignment, Earlier, next_assignment};
+use experiments::design::assignment::{self, Assignment, next_assignment};
 use experiments::observers::Simulation;
 use experiments::study::Plan;
 use std::path::PathBuf;
@@ -48,6 +53,9 @@ pub(super) struct RunArgs {
     /// Go on with this observer's unfinished session.
     #[arg(long, conflicts_with_all = ["fresh", "seed"])]
     resume: bool,
+    /// Go on although study or display have changed; the change is marked in the session.
+    #[arg(long, requires = "resume")]
+    force: bool,
     /// Start anew although an unfinished session exists.
     #[arg(long)]
     fresh: bool,
@@ -60,6 +68,10 @@ pub(super) struct RunArgs {
     /// A pilot run: shortened as the study says, and marked as pilot in the data.
     #[arg(long)]
     pilot: bool,
+    /// Rehearse a bad disk, for example short=0.1,no-space=0.02,device-error=0.01,slow-sync-ms=200,seed=3 (also
+    /// full-from, full-until and kill-at, in operations of the disk from 1).
+    #[arg(long, value_name = "FAULTS", value_parser = Faults::parse)]
+    faults: Option<Faults>,
 }
 
 fn observer_code(text: &str) -> Result<String, String> {
@@ -79,7 +91,15 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     // A study that has no name has mistakes, which are reported before any session is looked for.
     let mut sessions = inputs::name(&study).map_or_else(Vec::new, |name| sessions_of(&args.data, &name));
     let before = assignments(&sessions);
-    let unfinished = take_unfinished(&mut sessions, &study, &args.observer, args.pilot);
+    let newest = take_newest(&mut sessions, &args.observer, args.pilot);
+    if let Some(session) = newest.as_ref().filter(|session| args.resume && session.record.is_over()) {
+        return Err(LabError::BadInput(format!(
+            "--resume: {} is over ({} trials); there is nothing to go on with, and --fresh starts anew",
+            session.path.display(),
+            session.record.trials.len()
+        )));
+    }
+    let unfinished = newest.filter(|session| !session.record.is_over());
     // What was begun goes on with the files that it was begun with.
     let resources = match unfinished.as_ref().filter(|_| args.resume) {
         Some(session) => Resources::recorded(&session.header)?,
@@ -103,19 +123,19 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
                 args.data.display()
             )));
         }
-        (session, true, _) => session,
+        (Some(session), true, _) => Some(earlier(session, &study, &whole, args.force)?),
         _ => None,
     };
     let seed = match (&earlier, args.seed) {
-        (Some(session), _) => session.header.seed,
+        (Some(earlier), _) => earlier.session.header.seed,
         (None, Some(seed)) => seed,
         (None, None) => seed_from_clock(),
     };
-    if let Some(session) = &earlier {
-        session.notices().iter().for_each(|notice| say(notice));
+    if let Some(earlier) = &earlier {
+        earlier.session.notices().iter().for_each(|notice| say(notice));
     }
     let assignment = match &earlier {
-        Some(session) => session.header.assignment.clone(),
+        Some(earlier) => earlier.session.header.assignment.clone(),
         None => assigned(args, &whole, &before),
     };
     let plan = whole.assigned(&assignment).map_err(|error| LabError::BadInput(error.to_string()))?;
@@ -129,6 +149,10 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
         data: args.data.clone(),
         seed,
         earlier,
+        disk: match &args.faults {
+            Some(faults) => Arc::new(FaultyDisk::new(faults.clone())),
+            None => Arc::new(SystemDisk),
+        },
     };
     let folder = match &args.simulate {
         Some(truth) => {
@@ -147,8 +171,25 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     print(&folder.display().to_string())
 }
 
+/// A session to go on with, if nothing has changed or somebody agrees to what has.
+fn earlier(session: SessionFolder, study: &StudyFile, plan: &Plan, force: bool) -> Result<Earlier, LabError> {
+    let changed = differences(&session, study, plan)?;
+    if !changed.is_empty() && !force {
+        return Err(LabError::BadInput(format!(
+            "{} was run with something else:\n{}\ngive --force to go on all the same (the session is marked), --fresh to \
+             start anew, or the study and display as they were",
+            session.path.display(),
+            in_words(&changed)
+        )));
+    }
+    if !changed.is_empty() {
+        say(&format!("from here on, and marked in the session:\n{}", in_words(&changed)));
+    }
+    Ok(Earlier { session, changed })
+}
+
 /// What a new session runs of its study: what is next for the observer, unless the command line says otherwise.
-fn assigned(args: &RunArgs, whole: &Plan, before: &[Earlier]) -> Assignment {
+fn assigned(args: &RunArgs, whole: &Plan, before: &[assignment::Earlier]) -> Assignment {
     let next = next_assignment(whole, &args.observer, before, args.pilot);
     Assignment { group: args.group.clone().or(next.group), sitting: args.sitting.unwrap_or(next.sitting), ..next }
 }

@@ -1,15 +1,17 @@
 //! Opening a session's folder: after an orderly end, after a kill, or long afterwards on another machine.
 //!
 //! Every acknowledged event is recovered. A torn tail is left out and reported; it is cut from the file only when the
-//! session goes on, and is kept beside it then.
+//! session goes on, and is kept beside it then. A damaged session is read up to the damage.
 
-use super::header::{FORMAT, Header, sha256_hex};
+use super::header::{DisplayRecord, Header, sha256_hex};
 use super::journal::{self, Damage, Journal};
 use super::names;
-use super::tables::{self, FrameRow, GazeRow, Table, TableDamage};
+use super::tables::{self, FrameRow, GazeRow, Layout, Row, Table, TableDamage};
+use super::writer::Ends;
 use crate::error::LabError;
 use experiments::Display;
 use experiments::session::Event;
+use experiments::session::event::Rows;
 use experiments::session::record::Record;
 use experiments::study::draft::StudyDraft;
 use std::fs;
@@ -49,22 +51,8 @@ impl SessionFolder {
                 names::HEADER
             )));
         }
-        let bytes = read(&header_path)?;
-        let header: Header = serde_json::from_slice(&bytes).map_err(|error| {
-            LabError::BadInput(format!(
-                "{}:{}:{}: expected a session header: {error}",
-                header_path.display(),
-                error.line(),
-                error.column()
-            ))
-        })?;
-        if header.format != FORMAT {
-            return Err(LabError::BadInput(format!(
-                "{}: expected session format {FORMAT}, found {}; a newer program wrote it",
-                header_path.display(),
-                header.format
-            )));
-        }
+        let header = Header::from_text(&read(&header_path)?)
+            .map_err(|problem| LabError::BadInput(format!("{}:{problem}", header_path.display())))?;
         if sha256_hex(header.study.text.as_bytes()) != header.study.sha256 {
             return Err(LabError::BadInput(format!(
                 "{}: study.text does not match study.sha256; the header was changed",
@@ -76,12 +64,12 @@ impl SessionFolder {
             .display()
             .map_err(|problem| LabError::BadInput(format!("{}: display.{problem}", header_path.display())))?;
         let events_path = path.join(names::EVENTS);
-        let journal = journal::read(&read(&events_path)?);
+        let journal = journal::read(&read(&events_path)?, header.format);
         if journal.events.is_empty() {
             let why = journal.damage.as_ref().map_or_else(|| "it is empty".to_owned(), ToString::to_string);
             return Err(LabError::BadInput(format!("{}: no event can be read: {why}", events_path.display())));
         }
-        if let Some(Event::Opened { header_sha256 }) = journal.events.first().map(|first| &first.event)
+        if let Some(Event::Opened { header_sha256, .. }) = journal.events.first().map(|first| &first.event)
             && header.fingerprint().is_ok_and(|fingerprint| fingerprint != *header_sha256)
         {
             return Err(LabError::BadInput(format!(
@@ -92,6 +80,25 @@ impl SessionFolder {
         let record = Record::from_events(&journal.events);
         let study = serde_json::from_str(&header.study.text).unwrap_or_default();
         Ok(Self { path: path.to_owned(), header, display, study, journal, record })
+    }
+
+    /// The study's text as it was run last: the header's, unless the session went on with another one.
+    #[must_use]
+    pub fn study_text(&self) -> &str {
+        self.record.seams.iter().rev().find_map(|seam| seam.seam.study.as_deref()).unwrap_or(&self.header.study.text)
+    }
+
+    /// The display as it was used last: the header's, unless the session went on with another one.
+    ///
+    /// # Errors
+    /// When the journal names a display that is none.
+    pub fn display_now(&self) -> Result<Display, LabError> {
+        match self.record.seams.iter().rev().find_map(|seam| seam.seam.display.as_ref()) {
+            None => Ok(self.display.clone()),
+            Some(value) => DisplayRecord::from_value(value).map_err(|problem| {
+                LabError::BadInput(format!("{}: {problem}", self.path.join(names::EVENTS).display()))
+            }),
+        }
     }
 
     /// The folder's own name, without the path to it.
@@ -112,7 +119,7 @@ impl SessionFolder {
     /// # Errors
     /// When the file cannot be read.
     pub fn gaze(&self) -> Result<Table<GazeRow>, LabError> {
-        Ok(tables::read_rows(&read(&self.path.join(names::GAZE))?))
+        self.table(names::GAZE, self.rows_on_disk().gaze_rows)
     }
 
     /// Every frame, up to any damage.
@@ -120,7 +127,32 @@ impl SessionFolder {
     /// # Errors
     /// When the file cannot be read.
     pub fn frames(&self) -> Result<Table<FrameRow>, LabError> {
-        Ok(tables::read_rows(&read(&self.path.join(names::FRAMES))?))
+        self.table(names::FRAMES, self.rows_on_disk().frame_rows)
+    }
+
+    fn table<R: Row>(&self, name: &str, on_disk: u64) -> Result<Table<R>, LabError> {
+        let mut table = tables::read_rows(&read(&self.path.join(name))?, self.header.format);
+        let found = table.rows.len() as u64;
+        if found < on_disk && !matches!(table.damage, Some(TableDamage::Corrupt(_))) {
+            table.damage = Some(TableDamage::Missing { expected: on_disk, found });
+        }
+        Ok(table)
+    }
+
+    /// How many rows the journal says were on disk with it.
+    #[must_use]
+    pub fn rows_on_disk(&self) -> Rows {
+        let marks = self.journal.events.iter().rev().filter_map(|stamped| match stamped.event {
+            Event::Tables(rows) | Event::Closed(rows) => Some(rows),
+            _ => None,
+        });
+        marks.into_iter().next().unwrap_or_default()
+    }
+
+    /// Whether the program that wrote the session ended in order, with the session finished or left.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        matches!(self.journal.events.last().map(|last| &last.event), Some(Event::Closed(_)))
     }
 
     /// What a reader should know about the session's state; nothing for a complete, sound one.
@@ -135,6 +167,13 @@ impl SessionFolder {
                 self.journal.events.len()
             ));
         }
+        let [samples, frames] = self.record.dropped;
+        if samples + frames > 0 {
+            notices.push(format!(
+                "{path}: {samples} gaze samples and {frames} frames are missing: the disk failed for longer than they could \
+                 be kept."
+            ));
+        }
         if !self.record.is_over() {
             let open = self
                 .record
@@ -146,59 +185,79 @@ impl SessionFolder {
         notices
     }
 
-    /// Cuts torn tails from the session's files so that it can go on, and frames that rest on what was torn; what is cut
-    /// is kept in files beside them.
+    /// Where the session's files are sound up to, for going on: without torn tails, and without frames that rest on what
+    /// was torn. What is to be cut off is copied into files beside them first; the files themselves are left as they are.
     ///
     /// # Errors
-    /// When the journal is corrupt (and not merely torn), or a file cannot be written.
-    pub fn cut_torn_tails(&self) -> Result<(), LabError> {
+    /// When journal or tables are corrupt (and not merely torn), or a copy cannot be written.
+    pub fn ends(&self, gaze: &Table<GazeRow>, frames: &Table<FrameRow>) -> Result<Ends, LabError> {
+        let refused = |name: &str, problem: String| {
+            LabError::BadInput(format!(
+                "{}: {problem}. A damaged session can be analysed up to there, but not go on; a copy that can is made by \
+                 doctor --repair.",
+                self.path.join(name).display()
+            ))
+        };
         if let Some(damage @ Damage::Corrupt { .. }) = &self.journal.damage {
-            return Err(LabError::BadInput(format!(
-                "{}: {damage}. A corrupt session can be analysed up to there, but not go on.",
-                self.path.join(names::EVENTS).display()
-            )));
+            return Err(refused(names::EVENTS, damage.to_string()));
         }
-        let (gaze, frames) = (self.gaze()?, self.frames()?);
         for (name, damage) in [(names::GAZE, &gaze.damage), (names::FRAMES, &frames.damage)] {
-            if let Some(TableDamage::Corrupt(problem)) = damage {
-                return Err(LabError::BadInput(format!(
-                    "{}: {problem}. A corrupt session can be analysed up to there, but not go on.",
-                    self.path.join(name).display()
-                )));
+            if let Some(damage @ (TableDamage::Corrupt(_) | TableDamage::Missing { .. })) = damage {
+                return Err(refused(name, damage.to_string()));
             }
         }
-        let frames = self.sound_frames(&frames.rows, gaze.rows.len());
-        for name in [names::EVENTS, names::GAZE, names::FRAMES] {
-            let path = self.path.join(name);
-            let bytes = read(&path)?;
-            let most_lines = if name == names::FRAMES { frames + 1 } else { usize::MAX };
-            let sound: usize = bytes
-                .split_inclusive(|&byte| byte == b'\n')
-                .take(most_lines)
-                .filter(|line| line.ends_with(b"\n"))
-                .map(<[u8]>::len)
-                .sum();
-            if sound == bytes.len() {
-                continue;
-            }
-            let kept = (1..)
-                .map(|n| self.path.join(format!("{name}.torn-{n}")))
-                .find(|candidate| !candidate.exists())
-                .unwrap_or_else(|| self.path.join(format!("{name}.torn")));
-            fs::write(&kept, &bytes[sound..]).map_err(|error| LabError::io("write", &kept, &error))?;
-            fs::OpenOptions::new()
-                .write(true)
-                .open(&path)
-                .and_then(|file| file.set_len(sound as u64).and_then(|()| file.sync_all()))
-                .map_err(|error| LabError::io("cut", &path, &error))?;
+        let (Some(gaze_layout), Some(_)) = (gaze.layout, frames.layout) else {
+            return Err(refused(names::GAZE, "the table has no first line".to_owned()));
+        };
+        let path = self.path.join(names::FRAMES);
+        let (frames_bytes, frame_layout) = self.sound_frames_end(&read(&path)?, frames, gaze.rows.len())?;
+        let ends = Ends {
+            events: (self.journal.sound_bytes as u64, self.journal.chain),
+            gaze: (gaze.sound_bytes as u64, gaze_layout),
+            frames: (frames_bytes, frame_layout),
+        };
+        for (name, sound) in
+            [(names::EVENTS, ends.events.0), (names::GAZE, ends.gaze.0), (names::FRAMES, ends.frames.0)]
+        {
+            self.keep_beside(name, sound)?;
         }
-        Ok(())
+        Ok(ends)
+    }
+
+    /// Copies what comes after the first `sound` bytes of a file into a new file beside it.
+    fn keep_beside(&self, name: &str, sound: u64) -> Result<(), LabError> {
+        let bytes = read(&self.path.join(name))?;
+        let rest = bytes.get(usize::try_from(sound).unwrap_or(usize::MAX)..).unwrap_or_default();
+        if rest.is_empty() {
+            return Ok(());
+        }
+        let kept = (1..)
+            .map(|n| self.path.join(format!("{name}.torn-{n}")))
+            .find(|candidate| !candidate.exists())
+            .unwrap_or_else(|| self.path.join(format!("{name}.torn")));
+        fs::write(&kept, rest).map_err(|error| LabError::io("write", &kept, &error))
+    }
+
+    /// Where the frames end that refer only to what is there, and how the table goes on after them.
+    fn sound_frames_end(
+        &self,
+        bytes: &[u8],
+        frames: &Table<FrameRow>,
+        gaze_rows: usize,
+    ) -> Result<(u64, Layout<FrameRow>), LabError> {
+        let lines = self.sound_frames(&frames.rows, gaze_rows) + 1;
+        let sound = bytes.split_inclusive(|&byte| byte == b'\n').take(lines).map(<[u8]>::len).sum::<usize>();
+        let kept = tables::read_rows::<FrameRow>(bytes.get(..sound).unwrap_or_default(), self.header.format);
+        let layout = kept.layout.ok_or_else(|| {
+            LabError::BadInput(format!("{}: the table has no first line", self.path.join(names::FRAMES).display()))
+        })?;
+        Ok((kept.sound_bytes as u64, layout))
     }
 
     /// How many frames, from the first, refer only to events and gaze samples that are there. The tables are not
     /// synced with each other within a trial, so a kill may leave frames whose phase or sample it took; their numbers
     /// will be given to others when the session goes on.
-    fn sound_frames(&self, frames: &[FrameRow], gaze_rows: usize) -> usize {
+    pub(crate) fn sound_frames(&self, frames: &[FrameRow], gaze_rows: usize) -> usize {
         let (events, gaze_rows) = (self.journal.events.len() as u64, gaze_rows as u64);
         frames
             .iter()

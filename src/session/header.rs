@@ -6,18 +6,28 @@
 use experiments::Display;
 use experiments::design::assignment::Assignment;
 use experiments::display::{Transfer, TransferNumbers};
+use experiments::streams;
+use experiments::study::Plan;
 use experiments::study::plan::FileSource;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Version of the session folder's format.
-pub const FORMAT: u32 = 1;
+/// Version of the session folder's format that is written.
+///
+/// 1 had no chain in the journal, no CRC in the tables, no seal in the header and no marks but the first. Sessions of
+/// every format are read, and go on in their own.
+pub const FORMAT: u32 = 2;
+
+/// What stands before the seal, the last member of the header's text.
+const SEAL: &str = ",\n  \"seal\": \"";
+/// What stands after it.
+const SEAL_END: &str = "\"\n}\n";
 
 /// The header of a session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
-    /// Version of the folder's format, [`FORMAT`].
+    /// Version of the folder's format, at most [`FORMAT`].
     pub format: u32,
     /// Who answered.
     pub observer: String,
@@ -49,6 +59,78 @@ pub struct Header {
 }
 
 impl Header {
+    /// The header of a session that begins now, of a study without files, a tracker or a simulated observer, which
+    /// whoever has them adds. `study` is the study's text, `started` is left empty.
+    #[must_use]
+    pub fn new(plan: &Plan, study: &str, observer: &str, seed: u64, stage: StageRecord) -> Self {
+        Self {
+            format: FORMAT,
+            observer: observer.to_owned(),
+            started: String::new(),
+            study: StudyText {
+                name: plan.name.clone(),
+                title: plan.title.clone(),
+                file: plan.name.clone(),
+                sha256: sha256_hex(study.as_bytes()),
+                text: study.to_owned(),
+            },
+            files: Vec::new(),
+            display: DisplayRecord::from(&plan.display),
+            assignment: Assignment::default(),
+            seed,
+            generator: streams::GENERATOR.to_owned(),
+            gaze_source: serde_json::Value::Null,
+            simulated: None,
+            stage,
+            program: Program::here(),
+        }
+    }
+
+    /// The text of `session.json`. Since format 2 it ends with a seal: the SHA-256 of all that stands before it, so that
+    /// no byte of it can be changed unnoticed.
+    ///
+    /// # Errors
+    /// When the header cannot be serialised.
+    pub fn to_text(&self) -> Result<String, serde_json::Error> {
+        let text = serde_json::to_string_pretty(self)?;
+        Ok(match text.strip_suffix("\n}") {
+            Some(body) if self.format >= 2 => format!("{body}{SEAL}{}{SEAL_END}", sha256_hex(body.as_bytes())),
+            _ => text + "\n",
+        })
+    }
+
+    /// Reads the text of a `session.json` of any format.
+    ///
+    /// # Errors
+    /// What is wrong with it, after the line and column where that is known.
+    pub fn from_text(bytes: &[u8]) -> Result<Self, String> {
+        #[derive(Deserialize)]
+        struct Format {
+            format: u32,
+        }
+        let at = |error: &serde_json::Error| {
+            format!("{}:{}: expected a session header: {error}", error.line(), error.column())
+        };
+        let Format { format } = serde_json::from_slice(bytes).map_err(|error| at(&error))?;
+        if format > FORMAT {
+            return Err(format!(
+                "1: expected session format {FORMAT} or older, found {format}; a newer program wrote it"
+            ));
+        }
+        if format < 2 {
+            return serde_json::from_slice(bytes).map_err(|error| at(&error));
+        }
+        let text = std::str::from_utf8(bytes).map_err(|_| "1: expected UTF-8".to_owned())?;
+        let sealed = text.strip_suffix(SEAL_END).and_then(|text| text.rsplit_once(SEAL));
+        let Some((body, seal)) = sealed else {
+            return Err(format!("{}: expected a header that ends with its seal", text.lines().count()));
+        };
+        if sha256_hex(body.as_bytes()) != seal {
+            return Err("1: the header does not match its seal; it was changed or the disk failed".to_owned());
+        }
+        serde_json::from_str(&format!("{body}\n}}")).map_err(|error| at(&error))
+    }
+
     /// SHA-256, in hex, of everything but the wall-clock time: what event 0 of the journal says of its header. The time is
     /// left out so that the same seed, study and inputs give the same journal.
     ///
@@ -141,6 +223,20 @@ pub struct StageRecord {
     pub gpu: Option<String>,
 }
 
+impl StageRecord {
+    /// The offscreen stage for a display, without a GPU.
+    #[must_use]
+    pub fn offscreen(display: &Display, rendered: bool) -> Self {
+        Self {
+            kind: "offscreen".to_owned(),
+            rendered,
+            frame_s: 1.0 / display.refresh_hz(),
+            pacing: "virtual time".to_owned(),
+            gpu: None,
+        }
+    }
+}
+
 /// The program and machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -180,6 +276,14 @@ impl From<&Display> for DisplayRecord {
 }
 
 impl DisplayRecord {
+    /// The display that a JSON value describes.
+    ///
+    /// # Errors
+    /// When it is not a display, in words.
+    pub fn from_value(value: &serde_json::Value) -> Result<Display, String> {
+        Self::deserialize(value).map_err(|error| format!("expected a display: {error}"))?.display()
+    }
+
     /// The display it describes.
     ///
     /// # Errors

@@ -3,12 +3,18 @@
 //! - [`header`]: `session.json`, written first and never changed;
 //! - [`journal`]: the format of `events.jsonl`, one event a line, each with its number and CRC;
 //! - [`tables`]: the rows of `gaze.csv` and `frames.csv`;
-//! - [`writer`]: the thread that puts all of it on disk and says when;
-//! - [`folder`]: opening a session again, after an orderly end or a kill.
+//! - [`writer`]: the thread that puts all of it on disk and says when; [`disk`] and [`faults`] are what it writes to;
+//! - [`changes`]: what is different from how a session was run before;
+//! - [`folder`]: opening a session again, after an orderly end or a kill;
 
+pub mod changes;
+mod create;
+pub mod disk;
+pub mod faults;
 pub mod folder;
 pub mod header;
 pub mod journal;
+mod stream;
 pub mod tables;
 pub mod writer;
 

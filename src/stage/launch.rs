@@ -2,18 +2,21 @@
 //!
 //! What `run` and `demo` share. Reading studies and talking to people is the command line's work; nothing here prints.
 
-use super::runner::Tail;
+use super::runner::{Pace, Tail};
 use super::{Painter, Runner, offscreen, window};
 use crate::error::LabError;
 use crate::gaze::{GazeSource, Mouse, Recorded, Simulated, SimulatedEye};
 use crate::resources::Resources;
-use crate::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
+use crate::session::changes::changes;
+use crate::session::disk::Disk;
+use crate::session::header::{DisplayRecord, Header, Program, StageRecord};
 use crate::session::{SessionFolder, SessionWriter};
 use experiments::Session;
-use experiments::design::assignment::{Assignment, Earlier};
-use experiments::observers::{Observer, Presented};
-use experiments::session::refold::refold;
-use experiments::streams::{self, Stream};
+use experiments::design::assignment::{self, Assignment};
+use experiments::observers::{Observer, Rejoin};
+use experiments::session::event::{Change, Seam};
+use experiments::session::refold::{refold, seam_at};
+use experiments::streams::Stream;
 use experiments::study::Plan;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -45,8 +48,19 @@ pub struct Request {
     pub data: PathBuf,
     /// Seed of every random stream.
     pub seed: u64,
-    /// The session to go on with.
-    pub earlier: Option<SessionFolder>,
+    /// The session to go on with, and what is different from how it was run before and was accepted.
+    pub earlier: Option<Earlier>,
+    /// What the session is written to.
+    pub disk: Arc<dyn Disk>,
+}
+
+/// A session that goes on.
+#[derive(Debug)]
+pub struct Earlier {
+    /// The session as it stands.
+    pub session: SessionFolder,
+    /// What is different from here on; nothing unless somebody has agreed to it.
+    pub changed: Vec<Change>,
 }
 
 /// Where an offscreen session's gaze comes from.
@@ -92,35 +106,20 @@ pub fn run_offscreen(
         None
     };
     let stage = StageRecord {
-        kind: "offscreen".to_owned(),
-        rendered: render,
-        frame_s: 1.0 / display.refresh_hz(),
-        pacing: "virtual time".to_owned(),
         gpu: painter.as_ref().map(|painter| adapter_text(&painter.gpu)),
+        ..StageRecord::offscreen(display, render)
     };
     let (runner, start_s) = match request.earlier.take() {
-        None => begin(&request, stage, gaze.describe(), Some(observer.describe()))?,
-        Some(session) => {
-            // A simulated observer has drawn as many numbers as it was asked questions.
-            let mut meet = |session: &Session| {
-                if let Some(phase) = session.phase() {
-                    let level = session.shown_level();
-                    let began_s = session.phase_began_s();
-                    observer.meet(&Presented {
-                        phase,
-                        trial: session.trial(),
-                        condition: session.condition(),
-                        level: level.as_ref(),
-                        fixation_deg: session.look_at_deg(session.animation_s(began_s)),
-                        display: &session.plan().display,
-                        t_s: began_s,
-                    });
-                }
-            };
-            let (runner, last_s) = go_on(&session, &request.plan, None, &mut meet)?;
-            // So has a simulated eye: what it saw up to here is in the log already.
-            gaze.poll(last_s, &mut Vec::new());
-            (runner, last_s)
+        None => begin(&request, stage, gaze.describe(), Some(observer.describe()), Pace::Virtual)?,
+        Some(earlier) => {
+            // A simulated observer is led through what was asked already.
+            let mut rejoin = Rejoin::new(observer);
+            let begun =
+                go_on(&earlier, &request, stage, Pace::Virtual, &mut |session, seam| rejoin.meet(session, seam))?;
+            observer = rejoin.into_observer();
+            // So is a simulated eye: what it saw up to here is in the log already.
+            gaze.poll(begun.1, &mut Vec::new());
+            begun
         }
     };
     let folder = runner.folder().to_owned();
@@ -175,18 +174,16 @@ pub fn run_in_window(mut request: Request, fullscreen: bool) -> Result<(PathBuf,
     let folder = Arc::new(Mutex::new(None));
     let made = Arc::clone(&folder);
     let start: window::StartSession = Box::new(move |measured| {
+        let stage = StageRecord {
+            kind: "window".to_owned(),
+            rendered: true,
+            frame_s: measured.frame_s,
+            pacing: measured.pacing.to_owned(),
+            gpu: Some(measured.gpu.clone()),
+        };
         let (runner, start_s) = match request.earlier.take() {
-            None => {
-                let stage = StageRecord {
-                    kind: "window".to_owned(),
-                    rendered: true,
-                    frame_s: measured.frame_s,
-                    pacing: measured.pacing.to_owned(),
-                    gpu: Some(measured.gpu.clone()),
-                };
-                begin(&request, stage, Mouse::new(&request.plan.display).describe(), None)?
-            }
-            Some(session) => go_on(&session, &request.plan, Some(chrono::Local::now()), &mut |_| {})?,
+            None => begin(&request, stage, Mouse::new(&request.plan.display).describe(), None, Pace::Real)?,
+            Some(earlier) => go_on(&earlier, &request, stage, Pace::Real, &mut |_, _| {})?,
         };
         *made.lock().unwrap_or_else(PoisonError::into_inner) = Some(runner.folder().to_owned());
         Ok((runner, start_s))
@@ -210,71 +207,81 @@ fn begin(
     stage: StageRecord,
     gaze_source: serde_json::Value,
     simulated: Option<serde_json::Value>,
+    pace: Pace,
 ) -> Result<(Runner, f64), LabError> {
     let plan = &request.plan;
-    let header = Header {
-        format: FORMAT,
-        observer: request.observer.clone(),
-        started: chrono::Local::now().to_rfc3339_opts(chrono::SecondsFormat::Millis, false),
-        study: StudyText {
-            name: plan.name.clone(),
-            title: plan.title.clone(),
-            file: request.study.file.clone(),
-            sha256: sha256_hex(request.study.text.as_bytes()),
-            text: request.study.text.clone(),
-        },
-        files: request.resources.records()?,
-        display: DisplayRecord::from(&plan.display),
-        assignment: request.assignment.clone(),
-        seed: request.seed,
-        generator: streams::GENERATOR.to_owned(),
-        gaze_source,
-        simulated,
-        stage,
-        program: Program::here(),
-    };
-    let writer = SessionWriter::create(&request.data, &header, &plan.display)?;
+    let mut header = Header::new(plan, &request.study.text, &request.observer, request.seed, stage);
+    header.started = now();
+    header.study.file.clone_from(&request.study.file);
+    header.files = request.resources.records()?;
+    header.assignment = request.assignment.clone();
+    header.gaze_source = gaze_source;
+    header.simulated = simulated;
+    let writer = SessionWriter::create_on(Arc::clone(&request.disk), &request.data, &header, &plan.display)?;
     let (session, events) = Session::begin(Arc::clone(plan), request.seed);
-    Ok((Runner::begin(session, events, writer)?, 0.0))
+    Ok((Runner::begin(session, events, writer, pace)?, 0.0))
 }
 
-/// Brings an unfinished session back and goes on with it at `now` (real time) or right after what it logged last.
+/// The wall-clock time, RFC 3339.
+fn now() -> String {
+    chrono::Local::now().to_rfc3339_opts(chrono::SecondsFormat::Millis, false)
+}
+
+/// Brings an unfinished session back and goes on with it. Its time goes on right after what was logged last: the time in
+/// between is the wall clock's business, which may have been set since, and stands in the seam.
+///
+/// `meet` is called for every phase that was presented, and told whether it came of an earlier reopening.
 fn go_on(
-    earlier: &SessionFolder,
-    plan: &Arc<Plan>,
-    now: Option<chrono::DateTime<chrono::Local>>,
-    meet: &mut dyn FnMut(&Session),
+    earlier: &Earlier,
+    request: &Request,
+    stage: StageRecord,
+    pace: Pace,
+    meet: &mut dyn FnMut(&Session, bool),
 ) -> Result<(Runner, f64), LabError> {
-    if earlier.display != plan.display {
-        return Err(LabError::BadInput(format!(
-            "{} was run on the display \"{}\" and cannot go on with another geometry",
-            earlier.path.display(),
-            earlier.header.display.name
-        )));
-    }
-    let refolded = refold(Arc::clone(plan), earlier.header.seed, &earlier.journal.events, |session, _| meet(session))
-        .map_err(|error| LabError::Failed(format!("{}: {error}", earlier.path.display())))?;
-    // Only now, when it is sure that the session can go on, is anything changed.
-    let writer = SessionWriter::append(&earlier.path, &plan.display)?;
-    earlier.cut_torn_tails()?;
-    let (gaze, frames) = (earlier.gaze()?, earlier.frames()?);
-    let last_event_s = earlier.journal.events.last().map_or(0.0, |event| event.t_s);
-    let tail = Tail {
-        events: earlier.journal.events.len() as u64,
-        gaze_rows: gaze.rows.len() as u64,
-        frames: frames.rows.len() as u64,
-        last_event_s,
-    };
+    let (plan, session) = (&request.plan, &earlier.session);
+    let events = &session.journal.events;
+    let refolded = refold(Arc::clone(plan), session.header.seed, events, |machine, seq| {
+        meet(machine, seam_at(events, seq));
+    })
+    .map_err(|error| match earlier.changed.as_slice() {
+        [] => LabError::Failed(format!("{}: {error}", session.path.display())),
+        _ => LabError::BadInput(format!(
+            "{} cannot go on with what has changed, since that concerns what was run already: {error}",
+            session.path.display()
+        )),
+    })?;
+    let (gaze, frames) = (session.gaze()?, session.frames()?);
+    // Only now, when it is sure that the session can go on, is anything written.
+    let ends = session.ends(&gaze, &frames)?;
+    let kept = session.sound_frames(&frames.rows, gaze.rows.len());
+    let writer = SessionWriter::append_on(Arc::clone(&request.disk), &session.path, &plan.display, ends)?;
+    let last_event_s = events.last().map_or(0.0, |event| event.t_s);
     // The tables may be ahead of the journal; time goes on after whatever was logged last.
     let gaze_s = gaze.rows.last().map_or(0.0, |row| row.arrived_s);
-    let frame_s = frames.rows.last().map_or(0.0, |row| row.presented_s + earlier.header.stage.frame_s);
-    let last_s = last_event_s.max(gaze_s).max(frame_s);
-    let since_start_s = now.and_then(|now| {
-        let started = chrono::DateTime::parse_from_rfc3339(&earlier.header.started).ok()?;
-        (now.signed_duration_since(started)).to_std().ok().map(|gap| gap.as_secs_f64())
-    });
-    let start_s = since_start_s.unwrap_or(last_s).max(last_s);
-    Ok((Runner::reopen(refolded.session, refolded.missing, writer, tail, start_s)?, start_s))
+    let frame_s = frames.rows.last().map_or(0.0, |row| row.presented_s + stage.frame_s);
+    let tail = Tail {
+        events: events.len() as u64,
+        gaze_rows: gaze.rows.len() as u64,
+        frames: kept as u64,
+        last_event_s,
+        t_s: last_event_s.max(gaze_s).max(frame_s),
+    };
+    let Program { name, version, .. } = Program::here();
+    let seam = Seam {
+        wall: now(),
+        program: format!("{name} {version}"),
+        gpu: stage.gpu,
+        frame_s: stage.frame_s,
+        pacing: stage.pacing,
+        changed: earlier.changed.clone(),
+        study: (request.study.text != session.study_text()).then(|| request.study.text.clone()),
+        display: (plan.display != session.display_now()?)
+            .then(|| serde_json::to_value(DisplayRecord::from(&plan.display)))
+            .transpose()
+            .map_err(|error| LabError::Failed(error.to_string()))?,
+    };
+    let runner = Runner::reopen(refolded.session, refolded.missing, writer, pace, tail, seam)?;
+    Ok((runner, tail.t_s))
 }
 
 /// Every readable session of a study in a folder, whoever ran it, oldest first.
@@ -282,7 +289,10 @@ fn go_on(
 pub fn sessions_of(data: &Path, study: &str) -> Vec<SessionFolder> {
     let entries = std::fs::read_dir(data).into_iter().flatten();
     let mut sessions: Vec<SessionFolder> = entries
-        .filter_map(|entry| SessionFolder::open(&entry.ok()?.path()).ok())
+        .filter_map(Result::ok)
+        // A folder with a hidden name is a session that never began.
+        .filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'))
+        .filter_map(|entry| SessionFolder::open(&entry.path()).ok())
         .filter(|session| session.header.study.name == study)
         .collect();
     sessions.sort_by(|a, b| a.header.started.cmp(&b.header.started));
@@ -291,8 +301,8 @@ pub fn sessions_of(data: &Path, study: &str) -> Vec<SessionFolder> {
 
 /// What sessions say about who was given what.
 #[must_use]
-pub fn assignments(sessions: &[SessionFolder]) -> Vec<Earlier> {
-    let earlier = |session: &SessionFolder| Earlier {
+pub fn assignments(sessions: &[SessionFolder]) -> Vec<assignment::Earlier> {
+    let earlier = |session: &SessionFolder| assignment::Earlier {
         observer: session.header.observer.clone(),
         assignment: session.header.assignment.clone(),
         finished: session.record.finished,
@@ -300,20 +310,29 @@ pub fn assignments(sessions: &[SessionFolder]) -> Vec<Earlier> {
     sessions.iter().map(earlier).collect()
 }
 
-/// Takes the newest unfinished session of this very study and observer out of `sessions`.
+/// Takes an observer's newest session out of `sessions`, which are of one study.
 #[must_use]
-pub fn take_unfinished(
-    sessions: &mut Vec<SessionFolder>,
-    study: &StudyFile,
-    observer: &str,
-    pilot: bool,
-) -> Option<SessionFolder> {
-    let sha256 = sha256_hex(study.text.as_bytes());
-    let at = sessions.iter().rposition(|session| {
-        session.header.observer == observer
-            && session.header.study.sha256 == sha256
-            && session.header.assignment.pilot == pilot
-            && !session.record.is_over()
-    })?;
+pub fn take_newest(sessions: &mut Vec<SessionFolder>, observer: &str, pilot: bool) -> Option<SessionFolder> {
+    let at = sessions
+        .iter()
+        .rposition(|session| session.header.observer == observer && session.header.assignment.pilot == pilot)?;
     Some(sessions.remove(at))
+}
+
+/// What is different between how a session was run last and how it is to go on.
+///
+/// # Errors
+/// When the session's display cannot be used.
+pub fn differences(session: &SessionFolder, study: &StudyFile, plan: &Plan) -> Result<Vec<Change>, LabError> {
+    let value = |text: &str| serde_json::from_str(text).unwrap_or_else(|_| serde_json::Value::String(text.to_owned()));
+    let mut found = changes("study", &value(session.study_text()), &value(&study.text));
+    if found.is_empty() && session.study_text() != study.text {
+        found.push(Change { field: "study".to_owned(), from: "other spaces".to_owned(), to: "spaces".to_owned() });
+    }
+    let before = session.display_now()?;
+    if before != plan.display {
+        let value = |display| serde_json::to_value(DisplayRecord::from(display)).unwrap_or_default();
+        found.extend(changes("display", &value(&before), &value(&plan.display)));
+    }
+    Ok(found)
 }

@@ -9,9 +9,13 @@ use super::painter::{FrameKey, Painter};
 use super::runner::Runner;
 use crate::error::LabError;
 use crate::gaze::GazeSource;
-use experiments::observers::{Look, Observer, Picture, Presented, Seen};
+use experiments::observers::rejoin::{is_met, presented};
+use experiments::observers::{Look, Observer, Picture, Seen};
 use experiments::study::plan::Fixation;
 use experiments::trial::{Answer, Input, Presentation};
+
+/// How long a simulated observer rests when the session is paused, seconds.
+const PAUSE_S: f64 = 1.0;
 
 /// Runs a session to its end.
 ///
@@ -46,12 +50,16 @@ pub fn run(
         for sample in samples.drain(..) {
             runner.gaze_sample(t_s, sample)?;
         }
-        runner.tick(t_s, frame_s, true)?;
+        runner.tick(t_s, frame_s)?;
 
         // A new phase: the observer looks, and may answer later.
         let Some(phase) = runner.phase() else {
             break;
         };
+        if met_phase != Some(runner.phase_seq()) && !is_met(phase.name) {
+            met_phase = Some(runner.phase_seq());
+            answer = Some((Answer::Continue, t_s + PAUSE_S));
+        }
         if met_phase != Some(runner.phase_seq()) {
             met_phase = Some(runner.phase_seq());
             if let Some(painter) = painter.as_deref_mut()
@@ -59,18 +67,8 @@ pub fn run(
             {
                 show(observer, painter, &runner, t_s)?;
             }
-            let session = runner.session();
-            let began_s = session.phase_began_s();
-            let (level, fixation_deg) = (session.shown_level(), session.look_at_deg(session.animation_s(began_s)));
-            let response = observer.meet(&Presented {
-                phase,
-                trial: session.trial(),
-                condition: session.condition(),
-                level: level.as_ref(),
-                fixation_deg,
-                display: &session.plan().display,
-                t_s: began_s,
-            });
+            let level = runner.session().shown_level();
+            let response = observer.meet(&presented(runner.session(), phase, level.as_ref()));
             look = response.look;
             answer = response.answer.map(|(said, after_s)| (said, t_s + after_s));
         }

@@ -10,10 +10,21 @@ use super::watch::Watch;
 use crate::error::LabError;
 use crate::gaze::GazeSample;
 use crate::session::tables::FrameRow;
-use crate::session::writer::{Acknowledgement, SessionWriter};
+use crate::session::writer::{Acknowledgement, PATIENCE, SessionWriter};
+use experiments::session::event::{Rows, Seam};
 use experiments::session::{Event, Stamped};
-use experiments::trial::{GazeRule, Input, Outcome, Phase, PhaseName};
+use experiments::trial::{GazeRule, Input, Outcome, Phase, PhaseName, Presentation};
 use experiments::{Display, Session};
+
+/// How a stage's time passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// As on the wall: nothing waits for the disk. A trial that is not on disk yet is waited for by showing grey, and a
+    /// page that says why if the disk fails.
+    Real,
+    /// As fast as it goes: the disk is waited for.
+    Virtual,
+}
 
 /// A session in progress, with its log.
 #[derive(Debug)]
@@ -21,6 +32,7 @@ pub struct Runner {
     session: Session,
     display: Display,
     writer: SessionWriter,
+    pace: Pace,
     seq: u64,
     last_event_s: f64,
     /// Number of the event that began the current phase.
@@ -32,7 +44,14 @@ pub struct Runner {
     watch: Watch,
     gaze: Option<Gaze>,
     gaze_rows: u64,
+    /// Frames that were shown.
     frames: u64,
+    /// Frames that were sent to the log.
+    frame_rows: u64,
+    /// Gaze samples and frames that came while the disk failed and could not be kept any more.
+    dropped: [u64; 2],
+    /// Whether the session was paused because nothing more could be kept.
+    held_up: bool,
     completed: u32,
     saving: Option<Acknowledgement>,
 }
@@ -61,6 +80,8 @@ pub struct Tail {
     pub frames: u64,
     /// Time of the last event, seconds.
     pub last_event_s: f64,
+    /// When it goes on, seconds: not before anything that was logged.
+    pub t_s: f64,
 }
 
 impl Runner {
@@ -69,15 +90,15 @@ impl Runner {
     ///
     /// # Errors
     /// When the log cannot be written.
-    pub fn begin(session: Session, events: Vec<Event>, writer: SessionWriter) -> Result<Self, LabError> {
-        let mut runner = Self::new(session, writer, Tail { events: 1, ..Tail::default() });
+    pub fn begin(session: Session, events: Vec<Event>, writer: SessionWriter, pace: Pace) -> Result<Self, LabError> {
+        let mut runner = Self::new(session, writer, pace, Tail { events: 1, ..Tail::default() });
         runner.log(0.0, events)?;
-        runner.writer.sync()?.wait()?;
+        runner.wait_for_disk()?;
         Ok(runner)
     }
 
     /// Goes on with a session that has been folded from its journal. Events that the journal lacks are written first;
-    /// the seam is marked as an input at `t_s`.
+    /// then the seam is marked, and told to the session as an input, at `t_s`. All of it is on disk when this returns.
     ///
     /// # Errors
     /// When the log cannot be written.
@@ -85,17 +106,22 @@ impl Runner {
         session: Session,
         missing: Vec<Event>,
         writer: SessionWriter,
+        pace: Pace,
         tail: Tail,
-        t_s: f64,
+        seam: Seam,
     ) -> Result<Self, LabError> {
-        let mut runner = Self::new(session, writer, tail);
+        let mut runner = Self::new(session, writer, pace, tail);
         runner.log(tail.last_event_s, missing)?;
+        runner.last_event_s = runner.last_event_s.max(tail.t_s);
+        let mark = runner.mark(Event::Continued(Box::new(seam)));
+        runner.writer.event(mark)?;
+        runner.input(tail.t_s, Input::Reopened)?;
         runner.saving = None;
-        runner.input(t_s, Input::Reopened)?;
+        runner.wait_for_disk()?;
         Ok(runner)
     }
 
-    fn new(session: Session, writer: SessionWriter, tail: Tail) -> Self {
+    fn new(session: Session, writer: SessionWriter, pace: Pace, tail: Tail) -> Self {
         let plan = session.plan();
         let watch = Watch::new(plan.gaze.gate, tail.last_event_s);
         Self {
@@ -103,6 +129,7 @@ impl Runner {
             shown: Shown::of(&session),
             session,
             writer,
+            pace,
             seq: tail.events,
             last_event_s: tail.last_event_s,
             phase_seq: 0,
@@ -111,6 +138,9 @@ impl Runner {
             gaze: None,
             gaze_rows: tail.gaze_rows,
             frames: tail.frames,
+            frame_rows: tail.frames,
+            dropped: [0; 2],
+            held_up: false,
             completed: 0,
             saving: None,
         }
@@ -166,6 +196,11 @@ impl Runner {
     /// # Errors
     /// When the log cannot be written.
     pub fn gaze_sample(&mut self, now_s: f64, sample: GazeSample) -> Result<(), LabError> {
+        // A sample that cannot be logged must not place a stimulus either: nobody could say later where it was.
+        if !self.admits()? {
+            self.dropped[0] += 1;
+            return Ok(());
+        }
         let deg = self.display.deg_from_px(sample.px);
         let angle_deg = self.angle_to_target_deg(sample.t_s, sample.valid.then_some(deg));
         self.watch.sample(sample.t_s, now_s, angle_deg);
@@ -181,6 +216,30 @@ impl Runner {
         self.gaze_rows += 1;
         self.writer.gaze(sample)?;
         self.tell_gaze(now_s)
+    }
+
+    /// Whether there is room for another row. In virtual time it is waited for.
+    fn admits(&self) -> Result<bool, LabError> {
+        let began = std::time::Instant::now();
+        while !self.writer.admits() {
+            if self.pace == Pace::Real {
+                return Ok(false);
+            }
+            if began.elapsed() > PATIENCE {
+                return Err(self.out_of_patience());
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        Ok(true)
+    }
+
+    fn out_of_patience(&self) -> LabError {
+        let why = self.writer.trouble().map_or_else(|| "the disk does not answer".to_owned(), |(_, why)| why);
+        LabError::Failed(format!(
+            "{}: {why}; given up after {} s. What was acknowledged is on disk: go on with --resume",
+            self.folder().display(),
+            PATIENCE.as_secs()
+        ))
     }
 
     /// The angle between gaze and the place to look at, as the gate takes it: nothing where gaze is lost, none where gaze
@@ -204,23 +263,33 @@ impl Runner {
 
     /// Lets time pass up to a frame that is due at `t_s`: ends the phase if its time is up, and goes on from a saved trial.
     ///
-    /// `frame_s` is the time between frames; a phase ends with the frame that is nearest to its end. With `wait`, the
-    /// call waits for the disk (virtual time); without it, the session waits between trials (real time).
+    /// `frame_s` is the time between frames; a phase ends with the frame that is nearest to its end. In virtual time the
+    /// call waits for the disk; in real time the session waits between trials.
     ///
     /// # Errors
     /// When the log cannot be written.
-    pub fn tick(&mut self, t_s: f64, frame_s: f64, wait: bool) -> Result<(), LabError> {
+    pub fn tick(&mut self, t_s: f64, frame_s: f64) -> Result<(), LabError> {
         if let Some(saving) = &self.saving {
-            if wait {
-                saving.wait()?;
-            } else if !saving.arrived()? {
-                return Ok(());
+            let saved = match self.pace {
+                Pace::Virtual if !saving.wait(PATIENCE)? => return Err(self.out_of_patience()),
+                Pace::Virtual => true,
+                Pace::Real => saving.arrived()?,
+            };
+            if !saved {
+                return self.tell_trouble(t_s);
             }
             self.saving = None;
-            if self.phase().is_some_and(|phase| phase.name == PhaseName::Save) {
-                self.input(t_s, Input::Saved)?;
-            }
+            self.tell_dropped()?;
         }
+        if self.phase().is_some_and(|phase| phase.name == PhaseName::Save) {
+            self.input(t_s, Input::Saved)?;
+        }
+        let held_up = self.pace == Pace::Real && !self.writer.admits();
+        if held_up && !std::mem::replace(&mut self.held_up, held_up) {
+            // The disk has failed for minutes within one phase: what is shown from here on could not be logged.
+            self.input(t_s, Input::Pause)?;
+        }
+        self.held_up = held_up;
         if self.watch.is_silent(t_s) {
             self.watch.update(t_s, self.angle_to_target_deg(t_s, None));
         }
@@ -233,6 +302,26 @@ impl Runner {
         let since_s = if hold { self.watch.held_since_s(began_s) } else { Some(began_s) };
         if since_s.is_some_and(|since_s| t_s + 0.5 * frame_s >= since_s + duration_s) {
             self.input(t_s, Input::Elapsed)?;
+        }
+        Ok(())
+    }
+
+    /// Says on the display why the session does not go on, once.
+    fn tell_trouble(&mut self, t_s: f64) -> Result<(), LabError> {
+        let shows_grey =
+            self.phase().is_some_and(|phase| phase.name == PhaseName::Save && phase.presentation == Presentation::Grey);
+        match self.writer.trouble() {
+            Some((trouble, _)) if shows_grey => self.input(t_s, Input::Unsaved { trouble }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes down what could not be logged while the disk failed.
+    fn tell_dropped(&mut self) -> Result<(), LabError> {
+        let [gaze_samples, frames] = std::mem::take(&mut self.dropped);
+        if gaze_samples + frames > 0 {
+            let mark = self.mark(Event::Gap { gaze_samples, frames });
+            self.writer.event(mark)?;
         }
         Ok(())
     }
@@ -284,16 +373,47 @@ impl Runner {
     ///
     /// # Errors
     /// When the log cannot be written.
-    pub fn log_frame(&self, row: FrameRow) -> Result<(), LabError> {
+    pub fn log_frame(&mut self, row: FrameRow) -> Result<(), LabError> {
+        if !self.admits()? {
+            self.dropped[1] += 1;
+            return Ok(());
+        }
+        // A row's number is its place in the table, also where rows before it could not be kept.
+        let row = FrameRow { index: self.frame_rows, ..row };
+        self.frame_rows += 1;
         self.writer.frame(row)
     }
 
-    /// Ends the log; everything sent is on disk when this returns.
+    /// Ends the log; everything sent is on disk when this returns, and marked as whole.
     ///
     /// # Errors
     /// When something could not be written.
-    pub fn close(self) -> Result<(), LabError> {
-        self.writer.close()
+    pub fn close(mut self) -> Result<(), LabError> {
+        self.tell_dropped()?;
+        let mark = self.mark(Event::Closed(self.rows()));
+        self.writer.close(mark, PATIENCE)
+    }
+
+    /// Rows that were sent to the log.
+    fn rows(&self) -> Rows {
+        Rows { gaze_rows: self.gaze_rows, frame_rows: self.frame_rows }
+    }
+
+    /// The next event, with its number.
+    fn mark(&mut self, event: Event) -> Stamped {
+        let seq = self.seq;
+        self.seq += 1;
+        Stamped { seq, t_s: self.last_event_s, event }
+    }
+
+    /// Asks for everything so far to be on disk.
+    fn sync(&mut self) -> Result<Acknowledgement, LabError> {
+        let mark = self.mark(Event::Tables(self.rows()));
+        self.writer.sync(mark)
+    }
+
+    fn wait_for_disk(&mut self) -> Result<(), LabError> {
+        if self.sync()?.wait(PATIENCE)? { Ok(()) } else { Err(self.out_of_patience()) }
     }
 
     fn log(&mut self, t_s: f64, events: Vec<Event>) -> Result<(), LabError> {
@@ -309,8 +429,8 @@ impl Runner {
                 self.first_frame = self.frames;
                 new_phase = true;
             }
-            self.writer.event(Stamped { seq: self.seq, t_s: self.last_event_s, event })?;
-            self.seq += 1;
+            let stamped = self.mark(event);
+            self.writer.event(stamped)?;
         }
         if new_phase || self.session.finished() {
             let before = self.shown.take().map_or(GazeRule::Free, |shown| shown.gaze);
@@ -318,7 +438,7 @@ impl Runner {
             self.watch.phase_began(before, self.shown.as_ref().map_or(GazeRule::Free, |shown| shown.gaze));
         }
         if must_save {
-            self.saving = Some(self.writer.sync()?);
+            self.saving = Some(self.sync()?);
         }
         Ok(())
     }

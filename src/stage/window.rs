@@ -452,7 +452,7 @@ impl Stage {
         // A frame that is already late shows the present, not the moment it was due for.
         let scheduled_s = running.due_s;
         let shown_s = scheduled_s.max(now_s - running.frame_s);
-        running.runner.tick(shown_s, running.frame_s, false)?;
+        running.runner.tick(shown_s, running.frame_s)?;
         let (Some(view), Some(texture)) = (running.runner.view(shown_s), acquired) else {
             running.due_s = now_s + running.frame_s;
             running.flush_rows(false)?;

@@ -11,12 +11,14 @@ pub mod options;
 pub mod parametric;
 mod parse;
 pub mod pixels;
+pub mod rejoin;
 pub mod truth;
 
 pub use options::Options;
 pub use parametric::ParametricObserver;
 pub use parse::{Simulation, SimulationError};
 pub use pixels::PixelObserver;
+pub use rejoin::Rejoin;
 pub use truth::{ParameterTruth, Truth};
 
 use crate::display::Display;
@@ -82,6 +84,9 @@ pub trait Observer {
     /// stage in virtual time draws one or more moments of the phase ahead. Pictures that come after their phase's `meet`
     /// count for that phase as long as another phase without a stimulus lies between it and the next stimulus.
     fn see(&mut self, _seen: &Seen<'_>) {}
+
+    /// The observer as it is now, to go back to.
+    fn fork(&self) -> Box<dyn Observer>;
 }
 
 /// Pictures as they reach the eye.

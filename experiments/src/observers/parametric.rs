@@ -71,6 +71,10 @@ impl Observer for ParametricObserver {
             "unknown": "looks like the reference",
         })
     }
+
+    fn fork(&self) -> Box<dyn Observer> {
+        Box::new(self.clone())
+    }
 }
 
 #[cfg(test)]

@@ -19,6 +19,9 @@ pub enum Event {
     Opened {
         /// SHA-256 of the header without its wall-clock time, in hex.
         header_sha256: String,
+        /// The [`Rules`] by which the session proceeds.
+        #[serde(default, skip_serializing_if = "Rules::are_first")]
+        rules: Rules,
     },
     /// A mark of the log: everything before it was to be on disk together.
     Tables(Rows),
@@ -130,6 +133,29 @@ impl Event {
                 | Self::Repaired { .. }
                 | Self::Closed(_)
         )
+    }
+}
+
+/// By which rules a machine proceeds, where they have changed: a journal is folded by those that it was written by.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rules {
+    /// A trial that was interrupted by the end of the program comes again later; after a pause between trials the next
+    /// one begins at once.
+    #[default]
+    First,
+    /// A trial that was interrupted by the end of the program comes again at once, as if it had never begun, so that the
+    /// session goes on like an unbroken one; after a pause between trials the last one is waited for until it is on disk.
+    Second,
+}
+
+impl Rules {
+    /// Those of new sessions.
+    pub const NEWEST: Self = Self::Second;
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+    fn are_first(&self) -> bool {
+        *self == Self::First
     }
 }
 

@@ -22,7 +22,7 @@ use crate::trial::{
     self, AbortReason, Answer, Asked, GazeRule, Input, Outcome, Phase, PhaseName, Presentation, Protocol, SceneClock,
     Setup, Step, Stimulus,
 };
-use event::EndReason;
+use event::{EndReason, Rules};
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
@@ -42,6 +42,9 @@ pub struct Session {
     completed_in_block: u32,
     /// Whether a completed trial is the last thing that happened: only then may a break follow.
     break_allowed: bool,
+    /// The trial that the end of the program interrupted: the next one.
+    again: Option<Planned>,
+    rules: Rules,
     /// When the block began or its last break ended, seconds.
     rested_s: f64,
     trials: u32,
@@ -100,6 +103,8 @@ struct RunningTrial {
 const PAUSED_TEXT: &str =
     "Paused.\n\nPress space to go on, or Escape to leave. Nothing is lost: a trial that was interrupted comes again.";
 const REOPENED_TEXT: &str = "Welcome back.\n\nEverything up to the last answer is saved. Press space to go on.";
+const UNSAVED_TEXT: &str = "\n\nNothing is lost: your answers are kept and will be saved as soon as that is possible. Please tell the \
+     experimenter. The study goes on by itself.";
 const BREAK_TEXT: &str = "Time for a short break.\n\nPress space when you are ready to go on.";
 const THANKS_TEXT: &str = "That was the last trial. Thank you.\n\nPress space to finish.";
 const REPEAT_TEXT: &str = "That was not quite enough yet. Practice comes once more.\n\nPress space to go on.";
@@ -111,6 +116,11 @@ impl Session {
     /// `plan` is what this observer runs in this sitting: [`Plan::assigned`].
     #[must_use]
     pub fn begin(plan: Arc<Plan>, seed: u64) -> (Self, Vec<Event>) {
+        Self::begin_by(Rules::NEWEST, plan, seed)
+    }
+
+    /// [`Self::begin`] by the rules of an earlier version.
+    pub(crate) fn begin_by(rules: Rules, plan: Arc<Plan>, seed: u64) -> (Self, Vec<Event>) {
         let mut session = Self {
             design: Stream::Design.generator(seed),
             choice: Stream::Procedure.generator(seed),
@@ -122,6 +132,8 @@ impl Session {
             round: Round::default(),
             completed_in_block: 0,
             break_allowed: false,
+            again: None,
+            rules,
             rested_s: 0.0,
             trials: 0,
             plan,
@@ -271,6 +283,10 @@ impl Session {
             }
             (Place::Trial(_), _) => return false,
             (Place::Save, Input::Saved) => self.after_trial(t_s, events),
+            (Place::Save, Input::Unsaved { trouble }) => {
+                let text = format!("{}{UNSAVED_TEXT}", trouble.in_words());
+                self.present(Phase::new(PhaseName::Save, Presentation::Text(text), None), t_s, events);
+            }
             (Place::Save, Input::Pause) => self.enter_paused(None, PAUSED_TEXT, t_s, events),
             (Place::Save, Input::Reopened) => self.enter_paused(None, REOPENED_TEXT, t_s, events),
             (Place::Save, _) => return false,
@@ -382,6 +398,8 @@ impl Session {
     fn unpause(&mut self, t_s: f64, events: &mut Vec<Event>) {
         match std::mem::replace(&mut self.place, Place::Save) {
             Place::Paused(Some(before)) => self.enter_page(*before, t_s, events),
+            // The place is `Save` now.
+            _ if self.rules >= Rules::Second => self.present(save_phase(), t_s, events),
             _ => self.after_trial(t_s, events),
         }
     }
@@ -414,7 +432,8 @@ impl Session {
 
     fn start_trial(&mut self, t_s: f64, events: &mut Vec<Event>) {
         let plan = Arc::clone(&self.plan);
-        let next = self.schedule.as_mut().and_then(|schedule| schedule.next(&mut self.design, &mut self.choice));
+        let new = |session: &mut Self| session.schedule.as_mut()?.next(&mut session.design, &mut session.choice);
+        let next = self.again.take().or_else(|| new(self));
         let (Some(block), Some(planned)) = (plan.blocks.get(self.block), next) else {
             return self.after_round(t_s, events);
         };
@@ -487,6 +506,9 @@ impl Session {
                     if !estimate.is_empty() {
                         events.push(Event::Estimated { trial: trial.trial, estimate });
                     }
+                }
+                Outcome::Aborted { reason: AbortReason::Interrupted } if self.rules >= Rules::Second => {
+                    self.again = Some(planned);
                 }
                 Outcome::TimedOut | Outcome::Aborted { .. } => schedule.put_back(planned, &mut self.design),
             }

@@ -3,8 +3,10 @@
 //! Resuming needs the machine's state, replaying needs what was presented when; both come from here, so that neither can
 //! differ from the run.
 
+use super::event::Rules;
 use super::{Event, Session, Stamped};
 use crate::study::Plan;
+use crate::trial::Input;
 use std::sync::Arc;
 
 /// A session brought back from its journal.
@@ -34,7 +36,8 @@ pub struct Disagreement {
 
 /// Feeds a journal's inputs to a new session of `plan` and `seed`.
 ///
-/// `visit` is called whenever a new phase has begun, with the session and the number of the event that began it.
+/// `visit` is called whenever a new phase has begun, with the session and the number of the event that began it (for the
+/// last phase, if that event is among the missing ones, a number near it that no event has).
 ///
 /// # Errors
 /// At the first event of the journal that the machine does not give.
@@ -44,7 +47,11 @@ pub fn refold(
     journal: &[Stamped],
     mut visit: impl FnMut(&Session, u64),
 ) -> Result<Refolded, Disagreement> {
-    let (mut session, mut caused) = Session::begin(plan, seed);
+    let rules = match journal.first().map(|first| &first.event) {
+        Some(Event::Opened { rules, .. }) => *rules,
+        _ => Rules::NEWEST,
+    };
+    let (mut session, mut caused) = Session::begin_by(rules, plan, seed);
     // The log's own marks are no business of the machine. They stand between what inputs cause, never within.
     let past_marks = |mut next: usize| {
         while journal.get(next).is_some_and(|stamped| stamped.event.is_mark()) {
@@ -58,7 +65,11 @@ pub fn refold(
         let mut began_phase = None;
         for (index, expected) in caused.iter().enumerate() {
             let Some(found) = journal.get(next) else {
-                return Ok(Refolded { session, missing: caused.split_off(index) });
+                let missing = caused.split_off(index);
+                if missing.iter().any(|event| matches!(event, Event::PhaseBegan { .. })) && !session.finished() {
+                    visit(&session, (next + missing.len()) as u64 - 1);
+                }
+                return Ok(Refolded { session, missing });
             };
             if found.event != *expected {
                 return Err(Disagreement {
@@ -88,6 +99,17 @@ pub fn refold(
             }
         }
     }
+}
+
+/// Whether the phase that event `seq` of a journal began came of reopening the session.
+#[must_use]
+pub fn seam_at(journal: &[Stamped], seq: u64) -> bool {
+    let before = journal.get(..usize::try_from(seq).unwrap_or(usize::MAX)).unwrap_or(journal);
+    let input = before.iter().rev().find_map(|stamped| match stamped.event {
+        Event::Input { input, .. } => Some(input),
+        _ => None,
+    });
+    input == Some(Input::Reopened)
 }
 
 fn in_words(event: &Event) -> String {

@@ -3,7 +3,8 @@
 //! It feeds the same machine as every stage; only the pictures, the eye and the files are missing.
 
 use super::{Event, Session, Stamped};
-use crate::observers::{Observer, Presented};
+use crate::observers::Observer;
+use crate::observers::rejoin::presented;
 use crate::study::Plan;
 use crate::trial::{Input, PhaseName};
 use std::sync::Arc;
@@ -30,16 +31,7 @@ pub fn simulate(plan: &Arc<Plan>, seed: u64, observer: &mut dyn Observer) -> Vec
             break;
         };
         let level = session.shown_level();
-        let presented = Presented {
-            phase,
-            trial: session.trial(),
-            condition: session.condition(),
-            level: level.as_ref(),
-            fixation_deg: session.look_at_deg(session.animation_s(session.phase_began_s())),
-            display: &plan.display,
-            t_s: session.phase_began_s(),
-        };
-        let answer = observer.meet(&presented).answer;
+        let answer = observer.meet(&presented(&session, phase, level.as_ref())).answer;
         let (input, after_s) = match (answer, phase.duration_s) {
             _ if phase.name == PhaseName::Save => (Input::Saved, 0.0),
             (Some((answer, after_s)), None) => (Input::Answered { answer }, after_s),

@@ -1,14 +1,15 @@
 //! The machine as a whole: every trial ends, every level is completed as designed, a journal folds back into itself.
 
 use super::record::{self, Record};
-use super::refold::refold;
+use super::refold::{refold, seam_at};
 use super::simulate::simulate;
 use super::*;
 use crate::design::assignment::Assignment;
 use crate::mar::MarModel;
-use crate::observers::{Options, ParametricObserver, Truth};
+use crate::observers::rejoin::presented;
+use crate::observers::{Observer, Options, ParametricObserver, Rejoin, Truth};
 use crate::study::plan::*;
-use crate::trial::Alternative;
+use crate::trial::{Alternative, Trouble};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -250,7 +251,7 @@ fn studies() -> impl Strategy<Value = Drawn> {
 
 /// What a disturbing world may do next: keys at any time, time that is up, gaze that leaves and returns, pauses, restarts.
 fn disturbances() -> impl Strategy<Value = Vec<u8>> {
-    prop::collection::vec(0u8..32, 0..300)
+    prop::collection::vec(0u8..33, 0..300)
 }
 
 fn disturbance(choice: u8) -> Input {
@@ -276,6 +277,7 @@ fn disturbance(choice: u8) -> Input {
         28 => Input::Pause,
         29 => Input::Reopened,
         30 => Input::Resume,
+        31 => Input::Unsaved { trouble: Trouble::Full },
         _ => Input::Saved,
     }
 }
@@ -444,4 +446,72 @@ fn practice_is_repeated_until_it_is_passed() {
         assert_eq!(judged.last(), Some(&(rounds as u32, passed)));
         assert!(session.finished());
     }
+}
+
+/// Runs a session in which the program ends at the inputs `ends` (counted from the first one) and is started again.
+fn interrupted(plan: &Arc<Plan>, seed: u64, ends: &[usize]) -> Vec<Stamped> {
+    let (mut session, first) = Session::begin(Arc::clone(plan), seed);
+    let mut journal: Vec<Stamped> = Vec::new();
+    let log = |t_s: f64, events: Vec<Event>, journal: &mut Vec<Stamped>| {
+        for event in events {
+            journal.push(Stamped { seq: journal.len() as u64, t_s, event });
+        }
+    };
+    log(0.0, first, &mut journal);
+    let mut observer: Box<dyn Observer> = Box::new(observer(seed));
+    let mut t_s = 0.0;
+    for input in 0..20_000 {
+        if ends.contains(&input) {
+            // All that is left is the journal.
+            let mut rejoin = Rejoin::new(Box::new(self::observer(seed)));
+            let refolded = refold(Arc::clone(plan), seed, &journal, |session, seq| {
+                rejoin.meet(session, seam_at(&journal, seq));
+            });
+            session = refolded.expect("agrees").session;
+            observer = rejoin.into_observer();
+            log(t_s, session.handle(t_s, Input::Reopened), &mut journal);
+        }
+        let Some(phase) = session.phase() else { break };
+        let level = session.shown_level();
+        let (input, after_s) = match phase.name {
+            PhaseName::Save => (Input::Saved, 0.0),
+            PhaseName::Paused => (Input::Answered { answer: Answer::Continue }, 1.0),
+            _ => match (observer.meet(&presented(&session, phase, level.as_ref())).answer, phase.duration_s) {
+                (Some((answer, after_s)), None) => (Input::Answered { answer }, after_s),
+                (Some((answer, after_s)), Some(limit_s)) if after_s < limit_s => (Input::Answered { answer }, after_s),
+                (_, limit_s) => (Input::Elapsed, limit_s.unwrap_or(0.0)),
+            },
+        };
+        t_s += after_s;
+        log(t_s, session.handle(t_s, input), &mut journal);
+    }
+    journal
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    /// Wherever a session is interrupted, in a trial, on a page, in a form or between them, it goes on with the trials,
+    /// levels and answers of an unbroken one.
+    #[test]
+    fn an_interrupted_session_goes_on_like_an_unbroken_one(
+        drawn in studies(), ends in prop::collection::vec(0usize..250, 0..5), seed in 0u64..1000, number in 0u32..4,
+    ) {
+        let plan = Arc::new(drawn.plan(number));
+        let unbroken = Record::from_events(&interrupted(&plan, seed, &[]));
+        let broken = Record::from_events(&interrupted(&plan, seed, &ends));
+        prop_assert!(unbroken.finished && broken.finished, "{}", drawn.text());
+        let asked_and_answered = |record: &Record| {
+            let trials = record.trials.iter().filter(|trial| !is_interrupted(trial));
+            trials.map(|trial| (Trial { trial: 0, ..trial.trial.clone() }, trial.outcome.clone(), trial.estimate.clone()))
+                .collect::<Vec<_>>()
+        };
+        prop_assert_eq!(asked_and_answered(&unbroken), asked_and_answered(&broken), "{:?}", ends);
+        let forms = |record: &Record| record.forms.iter().map(|form| form.entries.clone()).collect::<Vec<_>>();
+        prop_assert_eq!(forms(&unbroken), forms(&broken));
+    }
+}
+
+fn is_interrupted(trial: &record::TrialRecord) -> bool {
+    trial.outcome == Outcome::Aborted { reason: AbortReason::Interrupted }
 }

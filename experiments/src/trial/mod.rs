@@ -240,6 +240,36 @@ pub enum PhaseName {
 }
 
 impl PhaseName {
+    /// Every phase.
+    pub const ALL: [Self; 20] = [
+        Self::Page,
+        Self::Fixate,
+        Self::Interval1,
+        Self::Gap,
+        Self::Interval2,
+        Self::Step,
+        Self::Sequence,
+        Self::AlternativeA,
+        Self::AlternativeB,
+        Self::Reference,
+        Self::Adjust,
+        Self::Task,
+        Self::Marker,
+        Self::Hidden,
+        Self::Ask,
+        Self::Form,
+        Self::Consent,
+        Self::Feedback,
+        Self::Save,
+        Self::Paused,
+    ];
+
+    /// The phase with a name as written to logs.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|phase| phase.as_str() == name)
+    }
+
     /// The name as written to logs.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -404,8 +434,40 @@ pub enum Input {
     Resume,
     /// The last trial is on disk.
     Saved,
+    /// The last trial cannot be put on disk at the moment.
+    Unsaved {
+        /// Why.
+        trouble: Trouble,
+    },
     /// The program was ended or killed and has started again.
     Reopened,
+}
+
+/// Why a disk does not take what it is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trouble {
+    /// It is full.
+    Full,
+    /// It may not be written.
+    ReadOnly,
+    /// It is not there any more.
+    Gone,
+    /// It fails.
+    Fails,
+}
+
+impl Trouble {
+    /// A sentence for the observer.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Full => "The disk is full.",
+            Self::ReadOnly => "The folder for the data is read-only.",
+            Self::Gone => "The folder for the data is gone.",
+            Self::Fails => "The disk fails.",
+        }
+    }
 }
 
 /// What a trial found besides its answer, by name: the slider's `<parameter>`, the adjusted parameters, the values of

@@ -4,7 +4,9 @@
 use super::*;
 use crate::replay::Replay;
 use crate::resources::Resources;
-use crate::session::{SessionFolder, names};
+use crate::session::SessionFolder;
+use crate::session::disk::SystemDisk;
+use crate::session::header::{Header, StageRecord};
 use crate::stage::Painter;
 use crate::stage::frame_hash::picture_hash;
 use crate::stage::launch::{OffscreenGaze, Request, StudyFile, run_offscreen};
@@ -33,6 +35,10 @@ const STUDY: &str = r#"{
     }]
 }"#;
 
+fn header(plan: &Plan) -> Header {
+    Header::new(plan, STUDY, "P01", 1, StageRecord::offscreen(&plan.display, false))
+}
+
 fn plan(fixation: Fixation, foveation: FoveationCentre) -> Plan {
     let catalogue = stimuli::registry::catalogue();
     let mut plan = experiments::study::parse_study("study", STUDY, &catalogue, None).expect("a study");
@@ -56,6 +62,7 @@ fn run(plan: &Plan, render: bool) -> (tempfile::TempDir, SessionFolder) {
         seed: 5,
         resources: Resources::built_in(),
         earlier: None,
+        disk: Arc::new(SystemDisk),
     };
     let folder = run_offscreen(request, observer, &OffscreenGaze::Simulated, render, |_| {}).expect("runs");
     let session = SessionFolder::open(&folder).expect("a session");
@@ -130,12 +137,9 @@ fn a_moving_target_is_gated_logged_and_replayed() {
 /// Runs the first trial with a gaze that is wherever `gaze_deg` says, and answers whether it came to the question.
 fn comes_to_the_question(plan: &Plan, gaze_deg: impl Fn(&Session, f64) -> [f64; 2]) -> bool {
     let folder = tempfile::tempdir().expect("a folder");
-    for name in [names::EVENTS, names::GAZE, names::FRAMES] {
-        std::fs::write(folder.path().join(name), "").expect("writable");
-    }
-    let writer = SessionWriter::append(folder.path(), &plan.display).expect("a log");
+    let writer = SessionWriter::create(folder.path(), &header(plan), &plan.display).expect("a log");
     let (session, events) = Session::begin(Arc::new(plan.clone()), 1);
-    let mut runner = Runner::begin(session, events, writer).expect("begins");
+    let mut runner = Runner::begin(session, events, writer, Pace::Virtual).expect("begins");
     let step_s = 0.01;
     for step in 0..3000 {
         let t_s = f64::from(step) * step_s;
@@ -151,7 +155,7 @@ fn comes_to_the_question(plan: &Plan, gaze_deg: impl Fn(&Session, f64) -> [f64; 
             right: None,
         };
         runner.gaze_sample(t_s, sample).expect("logged");
-        runner.tick(t_s, step_s, true).expect("logged");
+        runner.tick(t_s, step_s).expect("logged");
         // An aborted trial is on disk and followed by the next one within a tick.
         if runner.session().trial().is_some_and(|trial| trial.trial > 1) {
             return false;

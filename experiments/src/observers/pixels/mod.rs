@@ -42,6 +42,10 @@ impl PixelObserver {
 }
 
 impl Observer for PixelObserver {
+    fn fork(&self) -> Box<dyn Observer> {
+        Box::new(self.clone())
+    }
+
     fn meet(&mut self, presented: &Presented<'_>) -> Response {
         let pending = self.pending.take();
         let sight = match &presented.phase.presentation {

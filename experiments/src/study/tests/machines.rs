@@ -15,7 +15,7 @@ fn is_accepted(phase: &Phase, input: Input) -> bool {
         Input::Answered { answer } => phase.takes(answer),
         Input::GazeLeft => phase.gaze == GazeRule::Hide,
         Input::GazeReturned => phase.gaze == GazeRule::AwaitReturn,
-        Input::Pause | Input::Resume | Input::Saved | Input::Reopened => false,
+        Input::Pause | Input::Resume | Input::Saved | Input::Unsaved { .. } | Input::Reopened => false,
     }
 }
 
