@@ -7,6 +7,7 @@
 
 pub mod bench;
 pub mod cli;
+pub mod doctor;
 pub mod error;
 pub mod export;
 pub mod gaze;

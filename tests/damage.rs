@@ -8,9 +8,14 @@
 mod common;
 
 use common::{Ran, TRUTH, contents, copy_folder, csv_table, random, run, session, small_study, write_json};
+use parafovea::doctor::{State, examine};
+use parafovea::session::SessionFolder;
 use parafovea::session::header::FORMAT;
 use parafovea::session::journal;
-use rand::RngExt;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, tempdir};
 
@@ -224,4 +229,119 @@ fn a_corrupt_session_does_not_go_on_and_stays_as_it_is() {
     assert!(ran.err.contains("A damaged session can be analysed up to there, but not go on"), "{ran:#?}");
     assert!(ran.err.contains(&format!("line {}", lines(&events[..middle]) + 1)), "{ran:#?}");
     assert!(contents(folder.path()) == before);
+}
+
+/// Ten thousand times a session's files are damaged at random: bytes changed, files cut, lines swapped, left out and
+/// doubled. The doctor finds each, and all that stood before the damage is there.
+#[test]
+fn every_damage_is_found_and_everything_before_it_is_kept() {
+    const CASES: u64 = 10_000;
+    let folder = tempdir().unwrap();
+    write_json(folder.path(), "study.json", &small_study("small", 1));
+    let sound = session(folder.path(), "study.json", "data", 17, &["--no-render", "--gaze", "simulated:rate_hz=60"]);
+    assert_eq!(examine(&sound).unwrap().state, State::Complete);
+    let whole = SessionFolder::open(&sound).unwrap();
+    let (gaze, frames) = (whole.gaze().unwrap().rows, whole.frames().unwrap().rows);
+    let files: Vec<(&str, Vec<u8>)> = ["session.json", "events.jsonl", "gaze.csv", "frames.csv"]
+        .map(|name| (name, std::fs::read(sound.join(name)).unwrap()))
+        .into();
+    let seed: u64 = random().random();
+    println!("seed {seed}");
+    let counts = (0..CASES)
+        .into_par_iter()
+        .map_init(
+            || tempdir().unwrap(),
+            |copy, case| {
+                let mut random = ChaCha8Rng::seed_from_u64(seed.wrapping_add(case));
+                let (name, bytes) = &files[random.random_range(0..files.len())];
+                let (kind, damaged, at) = damaged(bytes, &mut random);
+                for (file, bytes) in &files {
+                    std::fs::write(copy.path().join(file), if file == name { &damaged } else { bytes }).unwrap();
+                }
+                let what = format!("case {case}: {kind} in {name} from byte {at}");
+                let diagnosis = examine(copy.path()).unwrap();
+                assert_ne!(diagnosis.state, State::Complete, "{what}: {diagnosis:#?}");
+                let before = lines(&bytes[..at]);
+                match SessionFolder::open(copy.path()) {
+                    // Without a header nothing can be said, nor without the event that the journal begins with.
+                    Err(_) => assert!(*name == "session.json" || (*name == "events.jsonl" && before == 0), "{what}"),
+                    Ok(session) => match *name {
+                        "gaze.csv" => kept(&session.gaze().unwrap().rows, &gaze, before, &what),
+                        "frames.csv" => kept(&session.frames().unwrap().rows, &frames, before, &what),
+                        _ => kept(&session.journal.events, &whole.journal.events, before + 1, &what),
+                    },
+                }
+                (kind, usize::from(diagnosis.state == State::Damaged))
+            },
+        )
+        .fold(BTreeMap::new, |mut counts: BTreeMap<&str, (u32, usize)>, (kind, damaged)| {
+            let count = counts.entry(kind).or_default();
+            *count = (count.0 + 1, count.1 + damaged);
+            counts
+        })
+        .reduce(BTreeMap::new, |mut all, some| {
+            for (kind, (cases, damaged)) in some {
+                let count = all.entry(kind).or_default();
+                *count = (count.0 + cases, count.1 + damaged);
+            }
+            all
+        });
+    for (kind, (cases, damaged)) in &counts {
+        println!("{kind}: {cases} cases, all found; {damaged} called damaged, the rest ended early or without header");
+    }
+    assert_eq!(counts.values().map(|count| u64::from(count.0)).sum::<u64>(), CASES);
+}
+
+/// Rows that stood whole before the damage; `lines` counts the first line too.
+fn kept<T: PartialEq + std::fmt::Debug>(found: &[T], sound: &[T], lines: usize, what: &str) {
+    let rows = lines.saturating_sub(1);
+    assert!(found.len() >= rows, "{what}: {} of {rows} rows are left", found.len());
+    assert!(found.iter().zip(sound).take(rows).all(|(a, b)| a == b), "{what}");
+}
+
+/// Damages a file; says how, and from which byte on it is not what it was.
+fn damaged(bytes: &[u8], random: &mut ChaCha8Rng) -> (&'static str, Vec<u8>, usize) {
+    let lines: Vec<&[u8]> = bytes.split_inclusive(|&byte| byte == b'\n').collect();
+    let start = |line: usize| lines[..line].iter().map(|line| line.len()).sum::<usize>();
+    let mut changed = bytes.to_vec();
+    match random.random_range(0..6) {
+        0 => {
+            let at = random.random_range(0..bytes.len());
+            changed[at] ^= 1 << random.random_range(0..8);
+            ("flipped bit", changed, at)
+        }
+        1 => {
+            let at = random.random_range(0..bytes.len());
+            changed[at] = changed[at].wrapping_add(random.random_range(1..=255));
+            ("changed byte", changed, at)
+        }
+        2 => {
+            let at = random.random_range(0..bytes.len());
+            ("cut", bytes[..at].to_vec(), at)
+        }
+        3 => {
+            // Lines that are the same change nothing when they are swapped.
+            let (a, b) = loop {
+                let (a, b) = (random.random_range(0..lines.len()), random.random_range(0..lines.len()));
+                if lines[a] != lines[b] {
+                    break (a.min(b), a.max(b));
+                }
+            };
+            let mut order = lines.clone();
+            order.swap(a, b);
+            ("swapped lines", order.concat(), start(a))
+        }
+        4 => {
+            let at = random.random_range(0..lines.len());
+            let mut rest = lines.clone();
+            rest.remove(at);
+            ("line left out", rest.concat(), start(at))
+        }
+        _ => {
+            let at = random.random_range(0..lines.len());
+            let mut more = lines.clone();
+            more.insert(at, lines[at]);
+            ("line doubled", more.concat(), start(at + 1))
+        }
+    }
 }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{contents, csv_table, run, session, small_study, write_json};
+use common::{TRUTH, contents, csv_table, run, session, small_study, write_json};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -71,9 +71,9 @@ fn a_run_writes_the_four_files_of_a_session() {
     assert_eq!(events.iter().filter(|event| event["event"] == "trial-ended").count(), 18);
 
     let (columns, gaze) = csv_table(&session.join("gaze.csv"));
-    assert_eq!(columns.join(","), GAZE);
+    assert_eq!(columns.join(","), format!("{GAZE},crc"));
     let (columns, frames) = csv_table(&session.join("frames.csv"));
-    assert_eq!(columns.join(","), FRAMES);
+    assert_eq!(columns.join(","), format!("{FRAMES},crc"));
     assert!(gaze.len() > 100 && frames.len() > 100);
     for (number, frame) in frames.iter().enumerate() {
         assert_eq!(frame[0], number.to_string());
@@ -271,4 +271,119 @@ fn a_run_without_pictures_has_nothing_to_verify_and_says_so() {
     let session = session(folder.path(), "study.json", "data", 7, &["--no-render"]);
     let ran = run(folder.path(), &["replay", session.to_str().unwrap(), "--verify"]).expect(1);
     assert!(ran.err.contains("--no-render"), "{}", ran.err);
+}
+
+/// Sessions of the first format, written by a program of that time, are read, exported, replayed and gone on with.
+#[test]
+fn sessions_of_the_first_format_are_still_good() {
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/sessions/format-1");
+    let folder = tempdir().unwrap();
+    for (name, trials, state) in [("finished", 4, "complete"), ("torn", 2, "unfinished"), ("resumed", 5, "complete")] {
+        let copy = folder.path().join("data").join(name);
+        common::copy_folder(&fixtures.join(name), &copy);
+        let path = format!("data/{name}");
+        let seen = run(folder.path(), &["doctor", &path, "--json"]).expect(0).json();
+        assert_eq!((seen[0]["state"].as_str(), seen[0]["format"].as_u64()), (Some(state), Some(1)), "{seen}");
+        assert_eq!(seen[0]["counts"]["trials"], trials, "{seen}");
+        let verified = run(folder.path(), &["replay", &path, "--verify", "--json"]).expect(0).json();
+        assert!(verified["hashes_compared"].as_u64().unwrap() > 40, "{verified}");
+        let tables = format!("tables-{name}");
+        run(folder.path(), &["export", &path, "--format", "csv", "--out", &tables]).expect(0);
+        assert_eq!(csv_table(&folder.path().join(tables).join("trials.csv")).1.len(), trials);
+    }
+    // The torn one goes on, in its own format, to its end.
+    std::fs::remove_dir_all(folder.path().join("data/finished")).unwrap();
+    std::fs::remove_dir_all(folder.path().join("data/resumed")).unwrap();
+    for file in ["study.json", "gaze20.csv"] {
+        std::fs::copy(fixtures.with_file_name(file), folder.path().join(file)).unwrap();
+    }
+    let arguments = ["run", "study.json", "--observer", "P01", "--offscreen", "--simulate", "omega0=0.021,m=0.022"];
+    run(folder.path(), &[&arguments[..], &["--gaze", "recorded:gaze20.csv", "--resume"]].concat()).expect(0);
+    let seen = run(folder.path(), &["doctor", "data/torn", "--json"]).expect(0).json();
+    assert_eq!((seen[0]["state"].as_str(), seen[0]["format"].as_u64()), (Some("complete"), Some(1)), "{seen}");
+    assert_eq!(seen[0]["counts"]["parts"], 2);
+    run(folder.path(), &["replay", "data/torn", "--verify"]).expect(0);
+}
+
+/// A run that stops in the middle, as after a kill.
+fn unfinished(folder: &Path) -> std::path::PathBuf {
+    let path = session(folder, "study.json", "data", 5, &["--no-render"]);
+    let events = String::from_utf8(read(&path.join("events.jsonl"))).unwrap();
+    let trial = events.match_indices("\"event\":\"trial-began\"").nth(4).unwrap().0;
+    let line = events[..trial].rfind('\n').unwrap();
+    std::fs::write(path.join("events.jsonl"), &events[..line + 1]).unwrap();
+    path
+}
+
+/// What was run with one study or display goes on with another only when somebody insists, and says so for ever.
+#[test]
+fn a_changed_study_or_display_is_refused_with_the_difference_or_forced_and_marked() {
+    let folder = tempdir().unwrap();
+    let mut study = small_study("small", 1);
+    write_json(folder.path(), "study.json", &study);
+    let path = unfinished(folder.path());
+    let resume = |more: &[&str]| {
+        let arguments = ["run", "study.json", "--observer", "P01", "--offscreen", "--simulate", TRUTH, "--no-render"];
+        run(folder.path(), &[&arguments[..], &["--resume"], more].concat())
+    };
+
+    study["blocks"][0]["protocol"]["interval_s"] = json!(0.2);
+    study["display"]["distance_mm"] = json!(320);
+    write_json(folder.path(), "study.json", &study);
+    let before = contents(folder.path());
+    let refused = resume(&[]).expect(2);
+    for says in ["blocks[0].protocol.interval_s: 0.1, now 0.2", "display: distance_mm: ", "now 320", "--force"] {
+        assert!(refused.err.contains(says), "{says}: {refused:#?}");
+    }
+    assert!(contents(folder.path()) == before, "a refusal changes nothing");
+
+    // What concerns trials that were run already cannot be forced.
+    let mut other = study.clone();
+    other["blocks"][0]["procedure"]["levels"]["mar_deg"] = json!([0.5, 0.9]);
+    write_json(folder.path(), "study.json", &other);
+    let refused = resume(&["--force"]).expect(2);
+    assert!(refused.err.contains("concerns what was run already"), "{refused:#?}");
+    assert!(!refused.err.contains("panicked"));
+
+    write_json(folder.path(), "study.json", &study);
+    resume(&["--force"]).expect(0);
+    let seen = run(folder.path(), &["doctor", path.to_str().unwrap(), "--json"]).expect(0).json();
+    assert_eq!(seen[0]["state"], "complete", "{seen}");
+    assert!(seen[0]["findings"].to_string().contains("blocks[0].protocol.interval_s"), "{seen}");
+    let session = parafovea::session::SessionFolder::open(&path).unwrap();
+    let seam = &session.record.seams[0].seam;
+    assert!(seam.changed.iter().any(|change| change.field == "study: blocks[0].protocol.interval_s"));
+    assert!(seam.study.is_some() && seam.display.is_some());
+
+    // A session that is over has nothing to go on with.
+    let refused = resume(&[]).expect(2);
+    assert!(refused.err.contains("is over") && refused.err.contains("--fresh"), "{refused:#?}");
+}
+
+/// A repaired copy ends where the original is sound, can be analysed, and goes on to its end.
+#[test]
+fn a_damaged_session_is_repaired_in_a_copy_that_goes_on() {
+    let folder = tempdir().unwrap();
+    write_json(folder.path(), "study.json", &small_study("small", 1));
+    let path = session(folder.path(), "study.json", "data", 5, &["--no-render"]);
+    let mut events = read(&path.join("events.jsonl"));
+    let middle = events.len() / 2;
+    events[middle] ^= 1;
+    std::fs::write(path.join("events.jsonl"), &events).unwrap();
+    let before = contents(&path);
+    let damaged = run(folder.path(), &["doctor", path.to_str().unwrap()]).expect(1);
+    assert!(damaged.out.contains("damage: events.jsonl: line "), "{damaged:#?}");
+    run(folder.path(), &["doctor", path.to_str().unwrap(), "--repair"]).expect(0);
+    assert!(contents(&path) == before, "the original stays as it is");
+    let copy = path.with_file_name(format!("{}-repaired", path.file_name().unwrap().to_str().unwrap()));
+    let seen = run(folder.path(), &["doctor", copy.to_str().unwrap(), "--json"]).expect(0).json();
+    assert_eq!(seen[0]["state"], "unfinished", "{seen}");
+    let arguments = ["run", "study.json", "--observer", "P01", "--offscreen", "--simulate", TRUTH, "--no-render"];
+    run(folder.path(), &[&arguments[..], &["--resume"]].concat()).expect(0);
+    let seen = run(folder.path(), &["doctor", copy.to_str().unwrap(), "--json"]).expect(0).json();
+    assert_eq!(seen[0]["state"], "complete", "{seen}");
+    assert!(seen[0]["findings"].to_string().contains("repaired copy"), "{seen}");
+    run(folder.path(), &["analyze", copy.to_str().unwrap()]).expect(0);
+    let again = run(folder.path(), &["doctor", path.to_str().unwrap(), "--repair"]).expect(2);
+    assert!(again.err.contains("does not exist yet"), "{again:#?}");
 }

@@ -50,8 +50,21 @@ impl GazePath {
     /// # Errors
     /// Every mistake of the file, one line each, or that it is too short.
     pub fn recorded(file: &str, text: &str, display: &Display, needed_s: f64) -> Result<Self, Vec<String>> {
-        let mut source = Recorded::parse(file, text, display)
+        let source = Recorded::parse(file, text, display)
             .map_err(|mistakes| mistakes.iter().map(ToString::to_string).collect::<Vec<_>>())?;
+        Self::played_back(file, source, display, needed_s)
+    }
+
+    /// The eye of a recording named `file`, as [`Self::recorded`].
+    ///
+    /// # Errors
+    /// That it is too short, or that the eye was never seen.
+    pub fn played_back(
+        file: &str,
+        mut source: Recorded,
+        display: &Display,
+        needed_s: f64,
+    ) -> Result<Self, Vec<String>> {
         let mut samples: Vec<GazeSample> = Vec::new();
         source.poll(f64::MAX, &mut samples);
         let duration_s = samples.last().map_or(0.0, |sample| sample.t_s);

@@ -9,6 +9,7 @@ mod blocks;
 mod check;
 mod demo;
 mod devices;
+mod doctor;
 mod export;
 mod fit;
 mod inputs;
@@ -48,6 +49,8 @@ enum Command {
     Power(power::PowerArgs),
     /// Show a session's frames again, from its log alone.
     Replay(replay::ReplayArgs),
+    /// Say what is wrong with sessions and what can still be used; write repaired copies.
+    Doctor(doctor::DoctorArgs),
     /// Fit omega0 and m from sessions.
     Analyze(analyze::AnalyzeArgs),
     /// Fit psychometric functions to any table of level, answers and right answers.
@@ -69,18 +72,22 @@ enum Command {
 /// Runs the program with the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    // Who rehearses a bad disk wants to see what is on it, and when.
+    let rehearses = matches!(&command, Command::Run(args) if args.rehearses());
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
-        .with_max_level(tracing::Level::WARN)
+        .with_max_level(if rehearses { tracing::Level::INFO } else { tracing::Level::WARN })
         .without_time()
         .with_target(false)
         .init();
-    let result = match Cli::parse().command {
+    let result = match command {
         Command::New(args) => new::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Power(args) => power::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
         Command::Analyze(args) => analyze::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Export(args) => export::run(&args),

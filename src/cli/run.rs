@@ -2,6 +2,7 @@
 
 use super::{inputs, print, progress, say};
 use crate::error::LabError;
+use crate::gaze::SimulatedEye;
 use crate::resources::Resources;
 use crate::session::SessionFolder;
 use crate::session::changes::in_words;
@@ -15,7 +16,7 @@ use clap::Args;
 use experiments::design::assignment::{self, Assignment, next_assignment};
 use experiments::observers::Simulation;
 use experiments::study::Plan;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 #[derive(Debug, Args)]
@@ -44,7 +45,8 @@ pub(super) struct RunArgs {
     /// Draw no pictures: everything else as fast as it goes.
     #[arg(long, requires = "offscreen")]
     no_render: bool,
-    /// Where gaze comes from: mouse in a window; simulated or recorded:FILE offscreen.
+    /// Where gaze comes from: mouse in a window, simulated or simulated:rate_hz=1000 offscreen, and recorded:SESSION or
+    /// recorded:FILE in both.
     #[arg(long, value_name = "SOURCE")]
     gaze: Option<String>,
     /// Cover the monitor; without it the window is as large as the display in pixels.
@@ -74,6 +76,13 @@ pub(super) struct RunArgs {
     faults: Option<Faults>,
 }
 
+impl RunArgs {
+    /// Whether a bad disk is rehearsed.
+    pub(super) fn rehearses(&self) -> bool {
+        self.faults.is_some()
+    }
+}
+
 fn observer_code(text: &str) -> Result<String, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-';
     if !text.is_empty() && text.len() <= 32 && text.chars().all(plain) {
@@ -86,7 +95,7 @@ fn observer_code(text: &str) -> Result<String, String> {
 pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     let display = inputs::display(args.display.as_deref())?;
     let study = inputs::study_file(&args.study)?;
-    let gaze = offscreen_gaze(args)?;
+    let gaze = gaze(args)?;
 
     // A study that has no name has mistakes, which are reported before any session is looked for.
     let mut sessions = inputs::name(&study).map_or_else(Vec::new, |name| sessions_of(&args.data, &name));
@@ -158,10 +167,11 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
         Some(truth) => {
             let simulation =
                 Simulation::parse(truth).map_err(|error| LabError::BadInput(format!("--simulate: {error}")))?;
+            let gaze = gaze.unwrap_or(OffscreenGaze::Simulated);
             offscreen_with_progress(request, &simulation, &gaze, !args.no_render)?
         }
         None => {
-            let (folder, finished) = run_in_window(request, args.fullscreen)?;
+            let (folder, finished) = run_in_window(request, gaze.as_ref(), args.fullscreen)?;
             if !finished {
                 say("left before the end; everything is saved. Go on with --resume.");
             }
@@ -225,19 +235,47 @@ pub(super) fn offscreen_with_progress(
     Ok(folder)
 }
 
-/// What `--gaze` asks for. A window has only the mouse, which needs no more than its name.
-fn offscreen_gaze(args: &RunArgs) -> Result<OffscreenGaze, LabError> {
-    match (args.gaze.as_deref(), args.offscreen) {
-        (None, _) | (Some("simulated"), true) | (Some("mouse"), false) => Ok(OffscreenGaze::Simulated),
-        (Some(source), true) if source.starts_with("recorded:") => {
-            let file = source.trim_start_matches("recorded:").to_owned();
-            Ok(OffscreenGaze::Recorded { text: inputs::read_text(&file)?, file })
-        }
-        (Some(source), offscreen) => {
-            let expected = if offscreen { "simulated or recorded:FILE offscreen" } else { "mouse in a window" };
-            Err(LabError::BadInput(format!("--gaze {source}: expected {expected}")))
+/// What `--gaze` asks for, if not for the stage's own: the mouse in a window, a simulated eye offscreen.
+fn gaze(args: &RunArgs) -> Result<Option<OffscreenGaze>, LabError> {
+    let text = match (args.gaze.as_deref(), args.offscreen) {
+        (None | Some("mouse"), false) => return Ok(None),
+        (None | Some("simulated"), true) => return Ok(Some(OffscreenGaze::Simulated)),
+        (Some(text), _) => text,
+    };
+    if let Some(eye) = text.strip_prefix("simulated:").filter(|_| args.offscreen) {
+        return Ok(Some(OffscreenGaze::Eye(Box::new(simulated_eye(eye)?))));
+    }
+    let Some(from) = text.strip_prefix("recorded:") else {
+        let expected = if args.offscreen {
+            "simulated, simulated:rate_hz=1000 (any of the eye's numbers), or recorded:SESSION|FILE offscreen"
+        } else {
+            "mouse or recorded:SESSION|FILE in a window"
+        };
+        return Err(LabError::BadInput(format!("--gaze {text}: expected {expected}")));
+    };
+    if Path::new(from).is_dir() {
+        let session = SessionFolder::open(Path::new(from))?;
+        session.notices().iter().for_each(|notice| say(notice));
+        return Ok(Some(OffscreenGaze::Session(Box::new(session))));
+    }
+    Ok(Some(OffscreenGaze::Recorded { text: inputs::read_text(from)?, file: from.to_owned() }))
+}
+
+/// A simulated eye with some of its numbers changed.
+fn simulated_eye(text: &str) -> Result<SimulatedEye, LabError> {
+    let bad = |what: String| LabError::BadInput(format!("--gaze simulated:{text}: {what}"));
+    let mut eye = serde_json::to_value(SimulatedEye::default()).map_err(|error| bad(error.to_string()))?;
+    for part in text.split(',') {
+        let (name, value) =
+            part.split_once('=').ok_or_else(|| bad(format!("expected NAME=NUMBER, found \"{part}\"")))?;
+        let value: f64 = value.parse().map_err(|_| bad(format!("{name}: expected a number, found \"{value}\"")))?;
+        let names = eye.as_object().map(|eye| eye.keys().cloned().collect::<Vec<_>>().join(", ")).unwrap_or_default();
+        match eye.get_mut(name) {
+            Some(number) => *number = serde_json::json!(value),
+            None => return Err(bad(format!("expected one of {names}, found \"{name}\""))),
         }
     }
+    serde_json::from_value(eye).map_err(|error| bad(error.to_string()))
 }
 
 /// The wall clock's nanoseconds: good enough for a seed, which is written to the header.

@@ -143,16 +143,17 @@ impl SessionFolder {
     #[must_use]
     pub fn rows_on_disk(&self) -> Rows {
         let marks = self.journal.events.iter().rev().filter_map(|stamped| match stamped.event {
-            Event::Tables(rows) | Event::Closed(rows) => Some(rows),
+            Event::Tables(rows) | Event::Closed(rows) | Event::Repaired { rows, .. } => Some(rows),
             _ => None,
         });
         marks.into_iter().next().unwrap_or_default()
     }
 
-    /// Whether the program that wrote the session ended in order, with the session finished or left.
+    /// Whether the program that wrote the session ended in order, with the session finished or left; or whether this is a
+    /// repaired copy, whose end is known too.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        matches!(self.journal.events.last().map(|last| &last.event), Some(Event::Closed(_)))
+        matches!(self.journal.events.last().map(|last| &last.event), Some(Event::Closed(_) | Event::Repaired { .. }))
     }
 
     /// What a reader should know about the session's state; nothing for a complete, sound one.

@@ -430,3 +430,6 @@ fn trouble_of(error: &io::Error) -> Trouble {
 fn describe(error: &io::Error) -> String {
     format!("the session's data cannot be written. {} ({error})", trouble_of(error).in_words())
 }
+
+#[cfg(test)]
+mod tests;

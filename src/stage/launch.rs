@@ -5,19 +5,20 @@
 use super::runner::{Pace, Tail};
 use super::{Painter, Runner, offscreen, window};
 use crate::error::LabError;
-use crate::gaze::{GazeSource, Mouse, Recorded, Simulated, SimulatedEye};
+use crate::gaze::{GazeSample, GazeSource, Mouse, Recorded, Simulated, SimulatedEye};
 use crate::resources::Resources;
 use crate::session::changes::changes;
 use crate::session::disk::Disk;
 use crate::session::header::{DisplayRecord, Header, Program, StageRecord};
+use crate::session::tables::GazeRow;
 use crate::session::{SessionFolder, SessionWriter};
-use experiments::Session;
 use experiments::design::assignment::{self, Assignment};
 use experiments::observers::{Observer, Rejoin};
 use experiments::session::event::{Change, Seam};
 use experiments::session::refold::{refold, seam_at};
 use experiments::streams::Stream;
 use experiments::study::Plan;
+use experiments::{Display, Session};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use stimuli::gpu::Gpu;
@@ -63,11 +64,15 @@ pub struct Earlier {
     pub changed: Vec<Change>,
 }
 
-/// Where an offscreen session's gaze comes from.
-#[derive(Debug, Clone)]
+/// Where gaze comes from that is no device's.
+#[derive(Debug)]
 pub enum OffscreenGaze {
     /// A simulated eye.
     Simulated,
+    /// A simulated eye of one's own.
+    Eye(Box<SimulatedEye>),
+    /// The eye of an earlier session, wherever it looked then, in degrees.
+    Session(Box<SessionFolder>),
     /// A recording: the file's name for messages, and its text.
     Recorded {
         /// Name of the file.
@@ -143,29 +148,69 @@ fn gaze_source(gaze: &OffscreenGaze, plan: &Plan, seed: u64) -> Result<Box<dyn G
             })?;
             Ok(Box::new(recorded))
         }
-        OffscreenGaze::Simulated => {
+        OffscreenGaze::Session(session) => Ok(Box::new(gaze_of(session, &plan.display)?)),
+        OffscreenGaze::Simulated | OffscreenGaze::Eye(_) => {
             let generator = Stream::Gaze.generator(seed);
-            let eye = Simulated::new(SimulatedEye::default(), &plan.display, plan.gaze.fixation_deg, generator)
-                .map_err(|mistakes| {
-                    let lines: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
-                    LabError::BadInput(lines.join("; "))
-                })?;
+            let eye = if let OffscreenGaze::Eye(eye) = gaze { **eye } else { SimulatedEye::default() };
+            let eye = Simulated::new(eye, &plan.display, plan.gaze.fixation_deg, generator).map_err(|mistakes| {
+                let lines: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
+                LabError::BadInput(lines.join("; "))
+            })?;
             Ok(Box::new(eye))
         }
     }
 }
 
-/// Runs a session in a window. Returns its folder and whether it ran to its end.
+/// The gaze of an earlier session, to be played back on a display. Places are the same angles as then, which on another
+/// display are other pixels.
+///
+/// # Errors
+/// When the session's gaze cannot be read or was never seen.
+pub fn gaze_of(session: &SessionFolder, display: &Display) -> Result<Recorded, LabError> {
+    let table = session.gaze()?;
+    if let Some(damage) = &table.damage {
+        tracing::warn!("{}: gaze.csv: {damage}; the gaze before it is used", session.path.display());
+    }
+    let same = session.record.seams.is_empty() && session.display == *display;
+    let place = |row: &GazeRow| if same { [row.x_px, row.y_px] } else { display.px_from_deg([row.x_deg, row.y_deg]) };
+    let samples: Vec<GazeSample> = table
+        .rows
+        .iter()
+        .map(|row| GazeSample {
+            t_s: row.t_s,
+            arrived_s: row.arrived_s,
+            t_device_s: row.t_device_s,
+            px: place(row),
+            valid: row.valid,
+            pupil_mm: row.pupil_mm,
+            left: row.left.filter(|_| same),
+            right: row.right.filter(|_| same),
+        })
+        .collect();
+    if !samples.iter().any(|sample| sample.valid) {
+        return Err(LabError::BadInput(format!("{}: the eye was never seen in it", session.path.display())));
+    }
+    Ok(Recorded::of(&session.path.display().to_string(), samples))
+}
+
+/// Runs a session in a window, with the mouse for the eye or an earlier session's or file's gaze. Returns its folder and whether it ran to its end.
 ///
 /// # Errors
 /// When no window can be opened, the earlier session cannot go on, or the log cannot be written.
-pub fn run_in_window(mut request: Request, fullscreen: bool) -> Result<(PathBuf, bool), LabError> {
+pub fn run_in_window(
+    mut request: Request,
+    gaze: Option<&OffscreenGaze>,
+    fullscreen: bool,
+) -> Result<(PathBuf, bool), LabError> {
     let plan = Arc::clone(&request.plan);
+    let gaze = gaze.map(|gaze| gaze_source(gaze, &plan, request.seed)).transpose()?;
+    let described = gaze.as_ref().map_or_else(|| Mouse::new(&plan.display).describe(), |gaze| gaze.describe());
     let options = window::WindowOptions {
         title: plan.title.clone(),
         fullscreen,
         display: plan.display.clone(),
         gaze: plan.gaze.clone(),
+        instead_of_mouse: gaze,
         registry: Arc::clone(&request.resources.registry),
         // What an observer sees must not change under their eyes, and must be what the header says.
         reloaded: if request.assignment.pilot { request.resources.wgsl_files() } else { Vec::new() },
@@ -182,7 +227,7 @@ pub fn run_in_window(mut request: Request, fullscreen: bool) -> Result<(PathBuf,
             gpu: Some(measured.gpu.clone()),
         };
         let (runner, start_s) = match request.earlier.take() {
-            None => begin(&request, stage, Mouse::new(&request.plan.display).describe(), None, Pace::Real)?,
+            None => begin(&request, stage, described, None, Pace::Real)?,
             Some(earlier) => go_on(&earlier, &request, stage, Pace::Real, &mut |_, _| {})?,
         };
         *made.lock().unwrap_or_else(PoisonError::into_inner) = Some(runner.folder().to_owned());
@@ -295,7 +340,8 @@ pub fn sessions_of(data: &Path, study: &str) -> Vec<SessionFolder> {
         .filter_map(|entry| SessionFolder::open(&entry.path()).ok())
         .filter(|session| session.header.study.name == study)
         .collect();
-    sessions.sort_by(|a, b| a.header.started.cmp(&b.header.started));
+    // A repaired copy has the original's time, and comes after it.
+    sessions.sort_by(|a, b| (&a.header.started, &a.path).cmp(&(&b.header.started, &b.path)));
     sessions
 }
 

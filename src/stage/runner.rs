@@ -280,6 +280,7 @@ impl Runner {
             }
             self.saving = None;
             self.tell_dropped()?;
+            tracing::info!("on disk: {} completed trials", self.completed);
         }
         if self.phase().is_some_and(|phase| phase.name == PhaseName::Save) {
             self.input(t_s, Input::Saved)?;

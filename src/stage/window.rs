@@ -34,7 +34,6 @@ const MEASURED_FRAMES: usize = 60;
 const SETTLING_FRAMES: usize = 10;
 
 /// How a window is opened.
-#[derive(Debug, Clone)]
 pub struct WindowOptions {
     /// Title of the window.
     pub title: String,
@@ -44,6 +43,8 @@ pub struct WindowOptions {
     pub display: Display,
     /// Where the fixation mark stands.
     pub gaze: GazePlan,
+    /// Where gaze comes from, if not from the mouse.
+    pub instead_of_mouse: Option<Box<dyn GazeSource>>,
     /// Scenes and renderers.
     pub registry: Arc<Registry>,
     /// WGSL files of renderers, by name, whose new versions are shown at once; none but in a pilot.
@@ -98,6 +99,7 @@ struct Stage {
     /// Frames into 8-bit RGBA, for hashes.
     hash_pass: DisplayPass,
     mouse: Mouse,
+    instead_of_mouse: Option<Box<dyn GazeSource>>,
     reload: Option<Reload>,
     /// Times at which measuring frames were presented.
     measuring: Vec<Instant>,
@@ -120,7 +122,7 @@ struct Running {
 impl ApplicationHandler for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.stage.is_none() {
-            match Stage::open(event_loop, &self.options) {
+            match Stage::open(event_loop, &mut self.options) {
                 Ok(stage) => {
                     stage.window.request_redraw();
                     self.stage = Some(stage);
@@ -277,7 +279,7 @@ const VERTICAL_BLANK: &str = "vertical blank";
 const TIMER: &str = "timer";
 
 impl Stage {
-    fn open(event_loop: &ActiveEventLoop, options: &WindowOptions) -> Result<Self, LabError> {
+    fn open(event_loop: &ActiveEventLoop, options: &mut WindowOptions) -> Result<Self, LabError> {
         let [width, height] = options.display.resolution_px();
         let mut attributes = Window::default_attributes()
             .with_title(&options.title)
@@ -341,6 +343,7 @@ impl Stage {
             painter,
             hash_pass,
             mouse: Mouse::new(&options.display),
+            instead_of_mouse: options.instead_of_mouse.take(),
             reload: Reload::of(options.reloaded.clone()),
             measuring: Vec::new(),
             running: None,
@@ -445,7 +448,10 @@ impl Stage {
         // Read the gaze as late as possible, then let time pass up to this frame.
         let now_s = running.zero.elapsed().as_secs_f64();
         let mut samples = Vec::new();
-        self.mouse.poll(now_s, &mut samples);
+        match &mut self.instead_of_mouse {
+            Some(source) => source.poll(now_s, &mut samples),
+            None => self.mouse.poll(now_s, &mut samples),
+        }
         for sample in samples {
             running.runner.gaze_sample(now_s, sample)?;
         }

@@ -36,6 +36,8 @@ pub enum Event {
     },
     /// A mark of the log: this folder is a repaired copy, and ends where the original was sound.
     Repaired {
+        /// Rows that the copy's tables have, whatever earlier marks say.
+        rows: Rows,
         /// What was left out, in words.
         left_out: Vec<String>,
     },

@@ -44,8 +44,8 @@ struct RenderersArgs {
     #[arg(long, value_name = "HZ", default_value = "30", allow_hyphen_values = true)]
     fps: String,
     /// Where the eye looks: over the display in fixations and saccades (sweep), at its centre (centre), or where a
-    /// recorded eye looked (recorded:FILE).
-    #[arg(long, value_name = "sweep|centre|recorded:FILE", default_value = "sweep")]
+    /// recorded eye looked (recorded:SESSION or recorded:FILE).
+    #[arg(long, value_name = "sweep|centre|recorded:SESSION|FILE", default_value = "sweep")]
     gaze: String,
     /// A parameter of the renderers that have it, or of the scene as scene.NAME; may be given again.
     #[arg(long, value_name = "NAME=VALUE")]

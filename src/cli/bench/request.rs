@@ -4,6 +4,8 @@ use super::RenderersArgs;
 use crate::bench::{Entrant, GazePath, REFERENCE, Request, WARM_UP_FRAMES};
 use crate::cli::{inputs, settings};
 use crate::error::LabError;
+use crate::session::SessionFolder;
+use crate::stage::launch::gaze_of;
 use experiments::catalogue::{
     Catalogue, DetailLaw, ParameterSchema, ParameterValue, Parameters, RendererInfo, complete_parameters,
 };
@@ -113,15 +115,21 @@ fn display(args: &RenderersArgs, mistakes: &mut Mistakes) -> Option<Display> {
 
 fn gaze(text: &str, display: &Display, needed_s: f64, mistakes: &mut Mistakes) -> Option<GazePath> {
     if let Some(file) = text.strip_prefix("recorded:") {
-        let path = inputs::read_text(file).map_err(|error| vec![error.to_string()]);
-        let path = path.and_then(|text| GazePath::recorded(file, &text, display, needed_s));
+        let said = |error: LabError| vec![error.to_string()];
+        let path = if Path::new(file).is_dir() {
+            let gaze = SessionFolder::open(Path::new(file)).and_then(|session| gaze_of(&session, display));
+            gaze.map_err(said).and_then(|gaze| GazePath::played_back(file, gaze, display, needed_s))
+        } else {
+            let text = inputs::read_text(file).map_err(said);
+            text.and_then(|text| GazePath::recorded(file, &text, display, needed_s))
+        };
         return path.map_err(|found| found.into_iter().for_each(|mistake| mistakes.add(mistake))).ok();
     }
     match text {
         "centre" => Some(GazePath::centre()),
         "sweep" => Some(GazePath::sweep(display)),
         _ => {
-            mistakes.add(format!("--gaze {text}: expected sweep, centre or recorded:FILE"));
+            mistakes.add(format!("--gaze {text}: expected sweep, centre or recorded:SESSION|FILE"));
             None
         }
     }

@@ -41,9 +41,13 @@ impl Recorded {
     /// # Errors
     /// Every mistake of the text in the order of its lines, up to 20, and then how many more there are.
     pub fn parse(file: &str, text: &str, display: &Display) -> Result<Self, Vec<CsvMistake>> {
-        let table = table::read(file, text, display)?;
-        let mut samples = table.samples;
+        let table::Table { samples, ignored_columns } = table::read(file, text, display)?;
+        Ok(Self { ignored_columns, ..Self::of(file, samples) })
+    }
 
+    /// Plays back samples in the order of their times; `file` says where they are from.
+    #[must_use]
+    pub fn of(file: &str, mut samples: Vec<GazeSample>) -> Self {
         // Move the recording to session time 0, keeping each sample's latency.
         let first_t_s = samples.first().map_or(0.0, |sample| sample.t_s);
         let mut arrived_s = f64::NEG_INFINITY;
@@ -57,14 +61,7 @@ impl Recorded {
         if let Some(end) = samples.last().copied() {
             samples.push(lost_after(end, interval_s));
         }
-        Ok(Self {
-            file: file.to_owned(),
-            samples,
-            next: 0,
-            interval_s,
-            first_t_s,
-            ignored_columns: table.ignored_columns,
-        })
+        Self { file: file.to_owned(), samples, next: 0, interval_s, first_t_s, ignored_columns: Vec::new() }
     }
 
     /// Whether every sample has been handed over.

@@ -74,6 +74,16 @@ impl<R: Row> Layout<R> {
         (Self { columns: R::COLUMNS.len(), crc, row: PhantomData }, line)
     }
 
+    /// The same columns from the first line on, which is returned too.
+    #[must_use]
+    pub fn from_the_start(&self, format: u32) -> (Self, String) {
+        let (whole, line) = Self::new(format);
+        if self.columns == whole.columns {
+            return (whole, line);
+        }
+        (Self { columns: self.columns, ..whole }, R::COLUMNS[..self.columns].join(",") + "\n")
+    }
+
     /// Writes a row as a line, with its newline.
     #[must_use]
     pub fn line(&mut self, row: &R) -> String {
