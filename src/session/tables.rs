@@ -140,13 +140,16 @@ pub fn frame_line(row: &FrameRow) -> String {
     line
 }
 
-/// One row of `gaze.csv`, as far as readers here need it.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+/// One row of `gaze.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(from = "GazeCells")]
 pub struct GazeRow {
     /// When the eye was there, seconds.
     pub t_s: f64,
     /// When the program had the sample, seconds.
     pub arrived_s: f64,
+    /// The tracker's own time, seconds; not a number where it is not known.
+    pub t_device_s: f64,
     /// Place in pixels.
     pub x_px: f64,
     /// Place in pixels.
@@ -156,8 +159,58 @@ pub struct GazeRow {
     /// Place in degrees.
     pub y_deg: f64,
     /// Whether the tracker saw the eye.
-    #[serde(with = "zero_or_one")]
     pub valid: bool,
+    /// Pupil diameter in millimetres, where the tracker measured one.
+    pub pupil_mm: Option<f64>,
+    /// The left eye, where the tracker tells the eyes apart.
+    pub left: Option<EyeSample>,
+    /// The right eye, where the tracker tells the eyes apart.
+    pub right: Option<EyeSample>,
+}
+
+/// The cells of a row of `gaze.csv`.
+#[derive(Deserialize)]
+struct GazeCells {
+    t_s: f64,
+    arrived_s: f64,
+    t_device_s: Option<f64>,
+    x_px: f64,
+    y_px: f64,
+    x_deg: f64,
+    y_deg: f64,
+    #[serde(with = "zero_or_one")]
+    valid: bool,
+    pupil_mm: Option<f64>,
+    left_x_px: Option<f64>,
+    left_y_px: Option<f64>,
+    left_valid: Option<u8>,
+    left_pupil_mm: Option<f64>,
+    right_x_px: Option<f64>,
+    right_y_px: Option<f64>,
+    right_valid: Option<u8>,
+    right_pupil_mm: Option<f64>,
+}
+
+impl From<GazeCells> for GazeRow {
+    fn from(cells: GazeCells) -> Self {
+        let eye = |place: [Option<f64>; 2], valid: Option<u8>, pupil_mm| {
+            let [Some(x), Some(y)] = place else { return None };
+            Some(EyeSample { px: [x, y], valid: valid == Some(1), pupil_mm })
+        };
+        Self {
+            t_s: cells.t_s,
+            arrived_s: cells.arrived_s,
+            t_device_s: cells.t_device_s.unwrap_or(f64::NAN),
+            x_px: cells.x_px,
+            y_px: cells.y_px,
+            x_deg: cells.x_deg,
+            y_deg: cells.y_deg,
+            valid: cells.valid,
+            pupil_mm: cells.pupil_mm,
+            left: eye([cells.left_x_px, cells.left_y_px], cells.left_valid, cells.left_pupil_mm),
+            right: eye([cells.right_x_px, cells.right_y_px], cells.right_valid, cells.right_pupil_mm),
+        }
+    }
 }
 
 /// What was wrong with a table: its sound rows, and a sentence for the rest.
@@ -296,5 +349,7 @@ mod tests {
         assert!((table.rows[0].x_px - 480.0).abs() < 1e-12);
         assert!(table.rows[0].x_deg.abs() < 1e-12);
         assert!(!table.rows[1].valid);
+        assert_eq!((table.rows[0].left, table.rows[0].right, table.rows[1].left), (Some(eye), None, None));
+        assert_eq!((table.rows[0].pupil_mm, table.rows[1].pupil_mm), (Some(3.25), None));
     }
 }
