@@ -71,7 +71,9 @@ fn a_good_tree_passes() {
     assert_eq!(said(|_| ()), Vec::<String>::new());
 }
 
-/// Each of these is one change; the first eight are let pass by bids-validator-deno 3.0.2.
+/// Each of these is one change. bids-validator-deno 3.0.2 reports no missing ScreenDistance, ScreenSize or ScreenResolution, no
+/// missing Units or `recording`, no timestamps that go back and no wrong StartTime, and stops where there are no events
+/// (`tests/peers/bids_peer.py`).
 #[test]
 fn every_break_is_found() {
     type Break = Box<dyn FnOnce(&Path)>;
