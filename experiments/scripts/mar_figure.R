@@ -130,11 +130,13 @@ for (key in unique(paste(fits$study, fits$observer, sep = "\t"))) {
     row <- fits[fits$study == study & fits$observer == observer & fits$quantity == quantity, ]
     agree <- beside(quantity, line[quantity, ], row$estimate, row$ci95_low, row$ci95_high) && agree
   }
+  beyond <- c()
   rows <- limits[limits$study == study & limits$observer == observer, ]
   for (index in seq_len(nrow(rows))) {
     row <- rows[index, ]; name <- paste(format(row$eccentricity_deg), "deg")
     ring <- as.character(row$eccentricity_deg)
     if (row$limited == 1) {
+      beyond[ring] <- row$mar_deg
       known <- ring %in% rownames(points)
       agree <- (!known || points[ring, 2] < row$mar_deg) && agree
       here <- if (known) sprintf("; here %.5f", points[ring, 2]) else ""
@@ -143,7 +145,7 @@ for (key in unique(paste(fits$study, fits$observer, sep = "\t"))) {
       agree <- beside(name, points[ring, ], row$mar_deg, row$ci95_low, row$ci95_high) && agree
     }
   }
-  drawn[[observer]] <- list(line = line, points = points)
+  drawn[[paste0(observer, " (", study, ")")]] <- list(line = line, points = points, beyond = beyond)
 }
 
 if (length(arguments) > 1) {
@@ -154,7 +156,11 @@ if (length(arguments) > 1) {
        ylab = "minimum angle of resolution (deg/cycle)")
   for (index in seq_along(drawn)) {
     abline(drawn[[index]]$line["omega0", 2], drawn[[index]]$line["m", 2], col = index)
-    points(as.numeric(rownames(drawn[[index]]$points)), drawn[[index]]$points[, 2], col = index, pch = 19)
+    own <- drawn[[index]]$points
+    shown <- own[!rownames(own) %in% names(drawn[[index]]$beyond), , drop = FALSE]
+    points(as.numeric(rownames(shown)), shown[, 2], col = index, pch = 19)
+    # What the display could not show is a limit and no value.
+    points(as.numeric(names(drawn[[index]]$beyond)), drawn[[index]]$beyond, col = index, pch = 6)
   }
   legend("topleft", names(drawn), col = seq_along(drawn), pch = 19)
   invisible(dev.off())

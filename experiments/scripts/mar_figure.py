@@ -150,14 +150,16 @@ def main():
         own_line, own_thresholds = line(*data, rng), thresholds(*data, rng)
         for quantity, row in of_fit.set_index("quantity").iterrows():
             agree &= beside(quantity, own_line[quantity], row, "estimate")
+        beyond = {}
         for _, row in limits[(limits.study == study) & (limits.observer == observer)].iterrows():
             name, own = f"{row.eccentricity_deg:g} deg", own_thresholds.get(row.eccentricity_deg)
             if row.limited:
+                beyond[row.eccentricity_deg] = row.mar_deg
                 agree &= bool(own is None or own[1] < row.mar_deg)
                 print(f"  {name:<8} finer than the display can show, {row.mar_deg:.5f}" + (f"; here {own[1]:.5f}" if own else ""))
             else:
                 agree &= beside(name, own, row, "mar_deg")
-        drawn.append((study, observer, own_line, own_thresholds))
+        drawn.append((study, observer, own_line, own_thresholds, beyond))
     if arguments.figure:
         draw(drawn, arguments.figure)
     print("agree" if agree else f"DISAGREE: more than {TOLERANCE_SD} posterior standard deviations apart")
@@ -169,10 +171,14 @@ def draw(drawn, file):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, axes = plt.subplots(figsize=(5, 4), constrained_layout=True)
-    for index, (study, observer, fit, points) in enumerate(drawn):
+    for index, (study, observer, fit, points, beyond) in enumerate(drawn):
+        color = f"C{index}"
         e = np.linspace(0, max(points) * 1.1, 50)
-        axes.plot(e, fit["m"][1] * e + fit["omega0"][1], color=f"C{index}")
-        axes.plot(list(points), [middle for _, middle in points.values()], "o", color=f"C{index}", label=f"{observer} ({study})")
+        axes.plot(e, fit["m"][1] * e + fit["omega0"][1], color=color)
+        shown = {ring: middle for ring, (_, middle) in points.items() if ring not in beyond}
+        axes.plot(list(shown), list(shown.values()), "o", color=color, label=f"{observer} ({study})")
+        # What the display could not show is a limit and no value.
+        axes.plot(list(beyond), list(beyond.values()), "v", color=color, fillstyle="none")
     axes.set(xlabel="eccentricity (deg)", ylabel="minimum angle of resolution (deg/cycle)", xlim=(0, None), ylim=(0, None))
     axes.legend()
     figure.savefig(file, dpi=150)
