@@ -12,7 +12,7 @@ use experiments::session::simulate::simulate;
 use experiments::study::{Plan, parse_study, shipped};
 use parafovea::results::fit_sessions;
 use parafovea::session::SessionFolder;
-use parafovea::session::header::{DisplayRecord, FORMAT, Header, Program, StageRecord, StudyText, sha256_hex};
+use parafovea::session::header::{Header, StageRecord};
 use parafovea::session::journal::Journal;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -101,6 +101,7 @@ fn trial(block: &str, level: &[(&str, f64)], factors: &[(&str, &str)], outcome: 
             phase(PhaseName::Reference, 0.0, Some(Alternative::Reference), &[]),
             phase(PhaseName::Adjust, 1.0, Some(Alternative::Test), &[("quality_index", 4.0)]),
         ],
+        part: 1,
     }
 }
 
