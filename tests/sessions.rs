@@ -47,7 +47,7 @@ fn a_run_writes_the_four_files_of_a_session() {
 
     let header: Value = serde_json::from_slice(&read(&session.join("session.json"))).unwrap();
     let study = read(&folder.path().join("study.json"));
-    assert_eq!(header["format"], 1);
+    assert_eq!(header["format"], parafovea::session::header::FORMAT);
     assert_eq!(header["observer"], "P01");
     assert_eq!(header["seed"], 7);
     assert_eq!(header["study"]["text"].as_str().unwrap().as_bytes(), study);
@@ -288,7 +288,7 @@ fn sessions_of_the_first_format_are_still_good() {
         assert_eq!((seen[0]["state"].as_str(), seen[0]["format"].as_u64()), (Some(state), Some(1)), "{seen}");
         assert_eq!(seen[0]["counts"]["trials"], trials, "{seen}");
         let verified = run(folder.path(), &["replay", &path, "--verify", "--json"]).expect(0).json();
-        assert!(verified["hashes_compared"].as_u64().unwrap() > 40, "{verified}");
+        assert!(verified["hashes_compared"].as_u64().unwrap() > 30, "{verified}");
         let tables = format!("tables-{name}");
         run(folder.path(), &["export", &path, "--format", "csv", "--out", &tables]).expect(0);
         assert_eq!(csv_table(&folder.path().join(tables).join("trials.csv")).1.len(), trials);

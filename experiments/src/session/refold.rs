@@ -52,7 +52,8 @@ pub fn refold(
         _ => Rules::NEWEST,
     };
     let (mut session, mut caused) = Session::begin_by(rules, plan, seed);
-    // The log's own marks are no business of the machine. They stand between what inputs cause, never within.
+    // The log's own marks are no business of the machine. A repaired copy may have one even between an input and what it
+    // caused, where the original was cut.
     let past_marks = |mut next: usize| {
         while journal.get(next).is_some_and(|stamped| stamped.event.is_mark()) {
             next += 1;
@@ -64,6 +65,7 @@ pub fn refold(
         // Hold what the machine gave against the journal, event by event.
         let mut began_phase = None;
         for (index, expected) in caused.iter().enumerate() {
+            next = past_marks(next);
             let Some(found) = journal.get(next) else {
                 let missing = caused.split_off(index);
                 if missing.iter().any(|event| matches!(event, Event::PhaseBegan { .. })) && !session.finished() {
