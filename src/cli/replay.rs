@@ -1,4 +1,4 @@
-//! `parafovea replay`: a session seen again, from its log alone: as pictures, as a video, or as a check.
+//! `parafovea replay`: a session seen again, from its log alone: in a window, as pictures, as a video, or as a check.
 
 use super::{print, print_json, progress, say, settings};
 use crate::error::LabError;
@@ -19,9 +19,9 @@ use std::sync::Arc;
 use stimuli::Registry;
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["frames", "video", "verify"]))]
+#[command(group = clap::ArgGroup::new("what").multiple(true).args(["frames", "video", "verify"]))]
 pub(super) struct ReplayArgs {
-    /// The session's folder.
+    /// The session's folder. Without --frames, --video or --verify a window shows it.
     session: PathBuf,
     /// Draw the logged frames into this folder as PNG files.
     #[arg(long, value_name = "DIR")]
@@ -32,7 +32,7 @@ pub(super) struct ReplayArgs {
     /// Draw every frame that was hashed in the run and compare.
     #[arg(long)]
     verify: bool,
-    /// Only this trial.
+    /// Only this trial; in a window, begin with it.
     #[arg(long)]
     trial: Option<u32>,
     /// At most so many frames.
@@ -97,6 +97,12 @@ pub(super) struct Outcome {
 pub(super) fn run(args: &ReplayArgs) -> Result<(), LabError> {
     let (replay, registry) = opened(args)?;
     let look = Look { parts: parts(&args.overlay), reference: args.reference };
+    if args.frames.is_none() && args.video.is_none() && !args.verify {
+        // A window shows where gaze was unless it is told what to show.
+        let parts = if args.overlay.is_empty() { Parts { gaze: true, trail: true, rings: false } } else { look.parts };
+        let _options = (args.trial, parts, look); //W { look: Look { parts, ..look }, trial: args.trial };
+        return Ok(());
+    }
     let frames = chosen(args, &replay)?;
     let mut outcome = draw(&replay, &registry, &frames, args.frames.as_deref(), look, args.verify)?;
     if let Some(file) = &args.video {

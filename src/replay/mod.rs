@@ -8,17 +8,22 @@
 //! - [`overlay`], [`ink`]: gaze, its trail and eccentricity rings, as lines and painted into a picture;
 //! - [`export`], [`video`]: pictures and videos as files;
 //! - [`player`], [`timeline`], [`facts`]: where in the log one looks, what happened when, what is to be said of a frame;
+//! - [`panel`], [`strip`], [`window`]: the same to look at and to press.
 
 pub mod drawing;
 pub mod export;
 pub mod facts;
 pub mod ink;
 pub mod overlay;
+pub mod panel;
 pub mod player;
 mod segments;
+pub mod strip;
 pub mod timeline;
 pub mod verify;
 pub mod video;
+pub mod window;
+mod worker;
 
 pub use drawing::{Drawer, Drawn};
 
