@@ -6,7 +6,7 @@ use crate::replay::export::{Look, PictureFolder};
 use crate::replay::overlay::Parts;
 use crate::replay::verify::{Judge, Verdict};
 use crate::replay::video::{self, Written};
-use crate::replay::{Drawer, Replay};
+use crate::replay::{Drawer, Replay, window};
 use crate::resources::{Resources, add_path};
 use crate::session::SessionFolder;
 use crate::session::tables::FrameRow;
@@ -100,8 +100,8 @@ pub(super) fn run(args: &ReplayArgs) -> Result<(), LabError> {
     if args.frames.is_none() && args.video.is_none() && !args.verify {
         // A window shows where gaze was unless it is told what to show.
         let parts = if args.overlay.is_empty() { Parts { gaze: true, trail: true, rings: false } } else { look.parts };
-        let _options = (args.trial, parts, look); //W { look: Look { parts, ..look }, trial: args.trial };
-        return Ok(());
+        let options = window::Options { look: Look { parts, ..look }, trial: args.trial };
+        return window::run(replay, registry, options);
     }
     let frames = chosen(args, &replay)?;
     let mut outcome = draw(&replay, &registry, &frames, args.frames.as_deref(), look, args.verify)?;

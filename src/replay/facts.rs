@@ -56,8 +56,8 @@ pub fn facts(replay: &Replay, frame: usize) -> Vec<Section> {
         section.row("Shown at", in_words(level.iter().map(|(name, value)| (name.as_str(), *value))));
     }
     let gaze = row.gaze_row.and_then(|row| replay.gaze().get(usize::try_from(row).ok()?));
-    section.maybe("Gaze", gaze.map(|gaze| format!("{:.2}°, {:.2}°", gaze.x_deg, gaze.y_deg)));
-    section.maybe("Gaze age", row.gaze_age_s.map(|age_s| format!("{:.1} ms", 1e3 * age_s)));
+    let age = row.gaze_age_s.map_or_else(String::new, |age_s| format!(", {:.0} ms old", 1e3 * age_s));
+    section.maybe("Gaze", gaze.map(|gaze| format!("{:.2}°, {:.2}°{age}", gaze.x_deg, gaze.y_deg)));
     if let (Some(gaze), Some(x_deg), Some(y_deg)) = (gaze, row.target_x_deg, row.target_y_deg) {
         let off_deg = replay.display(row).eccentricity_deg([gaze.x_deg, gaze.y_deg], [x_deg, y_deg]);
         section.row("Off target", format!("{off_deg:.2}°"));
@@ -65,10 +65,9 @@ pub fn facts(replay: &Replay, frame: usize) -> Vec<Section> {
     sections.push(section);
 
     let mut section = Section::new("Frame");
-    section.row("Number", format!("{} of {}", row.index, replay.frames().last().map_or(0, |last| last.index)));
-    section.row("Time", format!("{:.3} s", row.presented_s));
-    section.row("Late by", format!("{:.1} ms", 1e3 * (row.presented_s - row.scheduled_s)));
-    section.row("Missed", if row.missed { "yes" } else { "no" });
+    section.row("Number", format!("{}, at {:.3} s", row.index, row.presented_s));
+    let missed = if row.missed { ", missed" } else { "" };
+    section.row("Late by", format!("{:.1} ms{missed}", 1e3 * (row.presented_s - row.scheduled_s)));
     section.maybe("Animation", (row.animation_s > 0.0).then(|| format!("{:.3} s", row.animation_s)));
     section.maybe("Shaded", row.pixels_shaded.map(|pixels| format!("{pixels} px")));
     section.maybe("GPU time", row.gpu_time_s.map(|time_s| format!("{:.2} ms", 1e3 * time_s)));
@@ -145,8 +144,9 @@ fn answer_in_words(answer: Answer) -> String {
 
 /// Names with their values, with as many digits as are looked at.
 fn in_words<'a>(values: impl Iterator<Item = (&'a str, f64)>) -> String {
+    // One a line: parameters have long names.
     let words: Vec<String> = values.map(|(name, value)| format!("{name} {}", rounded(value))).collect();
-    if words.is_empty() { "–".to_owned() } else { words.join(", ") }
+    if words.is_empty() { "–".to_owned() } else { words.join("\n") }
 }
 
 /// Four significant digits, without zeros at the end.

@@ -123,7 +123,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk, pictures: &Pictures) {
         ui.add_space(4.0);
         desk.strip.show(ui, &desk.timeline, &mut desk.player);
     });
-    let width = (0.25 * ui.available_width()).clamp(216.0, 320.0);
+    let width = (0.25 * ui.available_width()).clamp(248.0, 320.0);
     egui::Panel::right("facts").resizable(false).exact_size(width).frame(margin(14, 10)).show(ui, |ui| {
         said(ui, desk);
     });
@@ -197,27 +197,21 @@ fn head(ui: &mut Ui, desk: &mut Desk) {
 fn transport(ui: &mut Ui, desk: &mut Desk) {
     ui.horizontal(|ui| {
         let player = &mut desk.player;
-        let mut pressed = |name: &str, about: &str| {
-            ui.add(egui::Button::new(name).min_size(vec2(34.0, 26.0))).on_hover_text(about).clicked()
-        };
-        if pressed("⏮", "The trial before (shift + left)") {
+        if icon(ui, Icon::Trial { on: false }, "Previous trial", "The trial before (shift + left)") {
             player.step_trial(false);
         }
-        if pressed("◀", "One frame back (left)") {
+        if icon(ui, Icon::Frame { on: false }, "Back", "One frame back (left)") {
             player.step(-1);
         }
-        let play = if player.is_playing() { "⏸ Pause" } else { "⏵ Play" };
+        let play = if player.is_playing() { "Pause" } else { "Play" };
         let button = egui::Button::new(RichText::new(play).color(palette::BACK)).fill(palette::ACCENT);
-        if ui.add(button.min_size(vec2(82.0, 26.0))).on_hover_text("Space").clicked() {
+        if ui.add(button.min_size(vec2(76.0, 26.0))).on_hover_text("Space").clicked() {
             player.toggle();
         }
-        let mut pressed = |name: &str, about: &str| {
-            ui.add(egui::Button::new(name).min_size(vec2(34.0, 26.0))).on_hover_text(about).clicked()
-        };
-        if pressed("▶", "One frame on (right)") {
+        if icon(ui, Icon::Frame { on: true }, "Forward", "One frame on (right)") {
             player.step(1);
         }
-        if pressed("⏭", "The next trial (shift + right)") {
+        if icon(ui, Icon::Trial { on: true }, "Next trial", "The next trial (shift + right)") {
             player.step_trial(true);
         }
         ui.add_space(10.0);
@@ -232,9 +226,9 @@ fn transport(ui: &mut Ui, desk: &mut Desk) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let frames = desk.replay.frames();
             let place = match frames.get(desk.player.frame()) {
-                Some(row) => {
+                Some(_) => {
                     let t_s = desk.timeline.axis.t_s(desk.player.place());
-                    format!("frame {} of {}    {}", row.index, frames.len(), clock(t_s, 0.01))
+                    format!("frame {} of {}    {}", desk.player.frame() + 1, frames.len(), clock(t_s, 0.01))
                 }
                 None => "no frames were logged".to_owned(),
             };
@@ -243,23 +237,54 @@ fn transport(ui: &mut Ui, desk: &mut Desk) {
     });
 }
 
+/// What is drawn on a button, pointing on or back.
+#[derive(Debug, Clone, Copy)]
+enum Icon {
+    Frame { on: bool },
+    Trial { on: bool },
+}
+
+/// A button with a drawn triangle, with a bar before it for trials; answers whether it was pressed.
+fn icon(ui: &mut Ui, icon: Icon, name: &str, about: &str) -> bool {
+    let response = ui.add(egui::Button::new("").min_size(vec2(34.0, 26.0)));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+    let (middle, painter) = (response.rect.center(), ui.painter());
+    let (on, bar) = match icon {
+        Icon::Frame { on } => (on, false),
+        Icon::Trial { on } => (on, true),
+    };
+    let way = if on { 1.0 } else { -1.0 };
+    let corners = [vec2(-4.0, -5.5), vec2(5.0, 0.0), vec2(-4.0, 5.5)].map(|off| middle + vec2(way * off.x, off.y));
+    painter.add(Shape::convex_polygon(corners.to_vec(), palette::BRIGHT, Stroke::NONE));
+    if bar {
+        let x = middle.x + way * 6.5;
+        let line = [pos2(x, middle.y - 5.5), pos2(x, middle.y + 5.5)];
+        painter.line_segment(line, Stroke::new(1.8, palette::BRIGHT));
+    }
+    response.on_hover_text(about).clicked()
+}
+
 /// What is to be said of the frame.
 fn said(ui: &mut Ui, desk: &Desk) {
     egui::ScrollArea::vertical().auto_shrink([false; 2]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.y = 3.0;
+        // In a low window everything stands closer, so that it is still seen at once.
+        let low = ui.available_height() < 420.0;
+        let (size, between, line) = if low { (11.5, 1.0, 13.5) } else { (12.5, 3.0, 16.0) };
+        ui.spacing_mut().item_spacing.y = between;
+        ui.spacing_mut().interact_size.y = line;
         for (index, section) in facts(&desk.replay, desk.player.frame()).into_iter().enumerate() {
             if index > 0 {
-                ui.add_space(9.0);
+                ui.add_space(3.0 * between);
             }
-            ui.label(RichText::new(section.title).size(12.0).strong().color(palette::ACCENT));
+            ui.label(RichText::new(section.title).size(size).strong().color(palette::ACCENT));
             for (what, value) in section.rows {
                 ui.horizontal_top(|ui| {
-                    let name = egui::Label::new(RichText::new(what).size(12.5).color(palette::QUIET)).truncate();
-                    ui.allocate_ui_with_layout(vec2(84.0, 17.0), Layout::left_to_right(Align::Min), |ui| {
-                        ui.set_width(84.0);
+                    let name = egui::Label::new(RichText::new(what).size(size).color(palette::QUIET)).truncate();
+                    ui.allocate_ui_with_layout(vec2(76.0, line), Layout::left_to_right(Align::Min), |ui| {
+                        ui.set_width(76.0);
                         ui.add(name);
                     });
-                    ui.add(egui::Label::new(RichText::new(value).size(12.5)).wrap());
+                    ui.add(egui::Label::new(RichText::new(value).size(size)).wrap());
                 });
             }
         }

@@ -38,7 +38,7 @@ pub fn colour(tone: Tone) -> Color32 {
     match tone {
         Tone::Blank => Color32::from_rgb(58, 60, 65),
         Tone::Page => Color32::from_rgb(78, 81, 88),
-        Tone::Ask => Color32::from_rgb(150, 154, 163),
+        Tone::Ask => Color32::from_rgb(116, 120, 129),
         Tone::Reference => Color32::from_rgb(86, 122, 166),
         Tone::Test | Tone::Response | Tone::Seam => palette::ACCENT,
         Tone::Aborted => Color32::from_rgb(96, 98, 104),
@@ -147,9 +147,12 @@ fn labels(painter: &egui::Painter, lane: &Lane, seen: &Range<f64>, row: Rect, x_
     }
     for span in spans.iter().filter(|span| !span.label.is_empty()) {
         let (left, right) = (x_of(span.from).max(row.left()), x_of(span.to).min(row.right()));
-        let galley = painter.layout_no_wrap(span.label.clone(), FontId::proportional(11.0), palette::BRIGHT);
+        // Where one ends as the next begins, a line tells them apart.
+        painter.vline(left, row.y_range(), Stroke::new(1.0, palette::BACK));
+        let ink = if span.tone == Tone::Test { palette::BACK } else { palette::BRIGHT };
+        let galley = painter.layout_no_wrap(span.label.clone(), FontId::proportional(11.0), ink);
         if right - left > galley.size().x + 8.0 {
-            painter.galley(pos2(left + 4.0, row.center().y - 0.5 * galley.size().y), galley, palette::BRIGHT);
+            painter.galley(pos2(left + 4.0, row.center().y - 0.5 * galley.size().y), galley, ink);
         }
     }
 }

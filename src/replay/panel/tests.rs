@@ -25,25 +25,25 @@ fn harness(size: Vec2) -> Harness<'static, Desk> {
 fn buttons_play_step_and_seek() {
     let mut screen = harness(vec2(1280.0, 800.0));
     assert_eq!(screen.state().player.frame(), 0);
-    screen.get_by_label("▶").click();
+    screen.get_by_label("Forward").click();
     screen.run_steps(2);
     assert_eq!(screen.state().player.frame(), 1);
-    screen.get_by_label("◀").click();
+    screen.get_by_label("Back").click();
     screen.run_steps(2);
     assert_eq!(screen.state().player.frame(), 0);
 
     // The session has 20 frames a second: a twentieth of a second is a frame.
-    screen.get_by_label("⏵ Play").click();
+    screen.get_by_label("Play").click();
     screen.run_steps(12);
     let played = screen.state().player.frame();
     assert!((8..=12).contains(&played) && screen.state().player.is_playing(), "{played}");
-    screen.get_by_label("⏸ Pause").click();
+    screen.get_by_label("Pause").click();
     screen.run_steps(2);
     let paused = screen.state().player.frame();
     screen.run_steps(5);
     assert_eq!((screen.state().player.frame(), screen.state().player.is_playing()), (paused, false));
 
-    screen.get_by_label("⏭").click();
+    screen.get_by_label("Next trial").click();
     screen.run_steps(2);
     let trials: Vec<usize> = screen.state().timeline.trials.to_vec();
     assert!(trials.contains(&screen.state().player.frame()));
@@ -123,9 +123,47 @@ fn everything_is_on_the_screen() {
         let mut screen = harness(size);
         screen.run_steps(3);
         let whole = Rect::from_min_size(pos2(0.0, 0.0), size);
-        for name in ["⏮", "◀", "⏵ Play", "▶", "⏭", "−", "+", "Rings", "Trail", "Reference", "Timeline"] {
+        for name in [
+            "Previous trial",
+            "Back",
+            "Play",
+            "Forward",
+            "Next trial",
+            "−",
+            "+",
+            "Rings",
+            "Trail",
+            "Reference",
+            "Timeline",
+        ] {
             let rect = screen.get_by_label(name).rect();
             assert!(whole.contains_rect(rect), "{name} at {rect:?} of {size:?}");
         }
+    }
+}
+
+/// The screen as it is drawn: the play button in the accent, and every trial in the colour of its outcome.
+#[test]
+fn the_screen_is_drawn() {
+    let app = |ui: &mut Ui, desk: &mut Desk| show(ui, desk, &Pictures::default());
+    let builder = Harness::builder().with_size(vec2(1280.0, 800.0)).with_context_setup(dress).wgpu();
+    let mut screen = builder.build_ui_state(app, desk());
+    screen.run_steps(3);
+    let drawn = screen.render().expect("drawn");
+    let is = |at: egui::Pos2, colour: Color32| {
+        let found = drawn.get_pixel(at.x as u32, at.y as u32).0;
+        let near = (0..3).all(|channel| found[channel].abs_diff(colour.to_array()[channel]) <= 2);
+        assert!(near, "expected {colour:?}, found {found:?} at {at:?}");
+    };
+    let play = screen.get_by_label("Play").rect();
+    is(pos2(play.left() + 5.0, play.center().y), palette::ACCENT);
+    let timeline = screen.get_by_label("Timeline").rect();
+    let lanes = timeline.right() - timeline.left() - 104.0;
+    let desk = screen.state();
+    for span in &desk.timeline.lanes[0].spans {
+        // Three quarters into the trial, where its number does not stand.
+        let place = span.from + 0.75 * (span.to - span.from);
+        let x = timeline.left() + 104.0 + (place / desk.timeline.axis.length()) as f32 * lanes;
+        is(pos2(x, timeline.top() + 20.0 + 8.0), crate::replay::strip::colour(span.tone));
     }
 }
