@@ -168,11 +168,11 @@ mod tests {
         let mut picture = grey();
         let far = Ring {
             eccentricity_deg: 5.0,
-            lines: vec![vec![[-500.0, 10.0], [900.0, 10.0]], vec![[1e6, 1e6], [2e6, 2e6]]],
+            lines: vec![vec![[-500.0, 10.5], [900.0, 10.5]], vec![[1e6, 1e6], [2e6, 2e6]]],
             label_px: Some([94.0, 53.0]),
         };
         let overlay = Overlay {
-            gaze_px: Some([48.0, 27.0]),
+            gaze_px: Some([48.5, 27.5]),
             lost: false,
             trail: vec![vec![[20.0, 40.0], [48.0, 27.0]]],
             rings: vec![far],

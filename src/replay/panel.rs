@@ -15,6 +15,9 @@ use egui::{
 use std::sync::Arc;
 use std::time::Duration;
 
+/// While it plays, a picture that is older than this is said to be, seconds.
+const BEHIND_S: f64 = 0.3;
+
 /// The colours of the screen: dark greys and one accent.
 pub mod palette {
     use egui::Color32;
@@ -322,13 +325,20 @@ fn picture(ui: &mut Ui, desk: &Desk, pictures: &Pictures) {
                 let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
                 painter.image(shown.texture, whole_of(place, *shown, size), whole, Color32::WHITE);
                 lay_over(&painter, &overlay, place, size);
-                if shown.frame != desk.player.frame() {
+                if is_behind(desk, shown.frame) {
                     note(&painter, place, "drawing …");
                 }
             }
             None => note(&painter, place, "drawing …"),
         }
     }
+}
+
+/// Whether the picture shown is another than the one meant; while it plays, one of a moment before is good enough.
+fn is_behind(desk: &Desk, shown: usize) -> bool {
+    let place = |frame: usize| desk.timeline.frames.get(frame).copied().unwrap_or_default();
+    let now = desk.player.frame();
+    if desk.player.is_playing() { (place(now) - place(shown)).abs() > BEHIND_S } else { shown != now }
 }
 
 /// Where a picture stands that may be of a display of another size than the one shown now.
