@@ -22,10 +22,11 @@ lint: need ## Formatting, lints and the documentation build
 bench: need ## Milliseconds a frame, per QUEST+ trial and per fit; what renderers save is `parafovea bench renderers`
 	cargo bench
 
-window: need ## Real windows on a virtual display, with injected keys and mouse: ten trials, and one of every protocol
+window: need ## Real windows on a virtual display, with injected keys and mouse: ten trials, one of every protocol, and a replay
 	cargo build --release
 	tests/window/drive
 	tests/window/tour
+	tests/window/replay
 
 need:
 	@scripts/need

@@ -5,8 +5,8 @@
 //! must still have the hash that it had.
 
 use crate::error::LabError;
-use crate::session::Header;
 use crate::session::header::{FileHash, FileRecord, sha256_hex};
+use crate::session::{Header, SessionFolder};
 use crate::stage::launch::StudyFile;
 use experiments::Display;
 use experiments::catalogue::RefusedFile;
@@ -16,6 +16,9 @@ use experiments::study::{self, Mistakes, Plan};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use stimuli::{AddError, Registry};
+
+/// How many folders around a session, and how many names of a recorded folder, are tried when files have moved.
+const FOLDERS_AROUND: usize = 4;
 
 /// Scenes and renderers of one study: what is built in and what the study brings along.
 #[derive(Debug, Clone)]
@@ -84,8 +87,25 @@ impl Resources {
     /// # Errors
     /// Every file that is gone or not what it was, by name.
     pub fn recorded(header: &Header) -> Result<Self, LabError> {
+        Self::from_records(&header.files)
+    }
+
+    /// The same for a session whose files may have moved with it: those that are not where they were are looked for from
+    /// the session's folder, the folders around it and the current folder on, and taken if they hold what they held.
+    ///
+    /// # Errors
+    /// As [`Resources::recorded`].
+    pub fn of_session(session: &SessionFolder) -> Result<Self, LabError> {
+        let here = session.path.canonicalize().unwrap_or_else(|_| session.path.clone());
+        let around = here.ancestors().take(FOLDERS_AROUND).map(Path::to_owned);
+        let homes: Vec<PathBuf> = around.chain(std::env::current_dir().ok()).collect();
+        let found = session.header.files.iter().map(|record| found_near(record, &homes));
+        Self::from_records(&found.collect::<Vec<_>>())
+    }
+
+    fn from_records(records: &[FileRecord]) -> Result<Self, LabError> {
         let mut registry = Registry::built_in();
-        let changed: Vec<String> = header.files.iter().flat_map(changes).collect();
+        let changed: Vec<String> = records.iter().flat_map(changes).collect();
         if !changed.is_empty() {
             return Err(LabError::BadInput(format!(
                 "the session cannot be shown again without the files that it was run with:\n{}",
@@ -93,7 +113,7 @@ impl Resources {
             )));
         }
         let mut files = Vec::new();
-        for FileRecord { name, source, folder, text, contents } in header.files.iter().cloned() {
+        for FileRecord { name, source, folder, text, contents } in records.iter().cloned() {
             let folder = PathBuf::from(folder);
             add(&mut registry, &name, &source, &folder, text.as_deref())?;
             let contents = contents.into_iter().map(|content| content.path).collect();
@@ -174,6 +194,23 @@ fn is_text(source: &FileSource, path: &str) -> bool {
 fn hash_of(path: &Path) -> std::io::Result<(u64, String)> {
     let bytes = std::fs::read(path)?;
     Ok((bytes.len() as u64, sha256_hex(&bytes)))
+}
+
+/// A record with the folder in which its files are now. A folder counts by its last names too, so that a study which was
+/// moved as a whole is found beside its sessions; where nothing is found the record stays what it was.
+fn found_near(record: &FileRecord, homes: &[PathBuf]) -> FileRecord {
+    if changes(record).is_empty() {
+        return record.clone();
+    }
+    let folder = Path::new(&record.folder);
+    let names: Vec<_> = folder.iter().collect();
+    // The folder itself, then what its last name, its last two names and so on lead to.
+    let tails =
+        (0..=names.len().min(FOLDERS_AROUND)).map(|count| names[names.len() - count..].iter().collect::<PathBuf>());
+    let tails: Vec<PathBuf> = tails.filter(|tail| tail.is_relative()).collect();
+    let places = homes.iter().flat_map(|home| tails.iter().map(move |tail| home.join(tail)));
+    let mut moved = places.map(|place| FileRecord { folder: place.display().to_string(), ..record.clone() });
+    moved.find(|moved| changes(moved).is_empty()).unwrap_or_else(|| record.clone())
 }
 
 /// What has happened to the files of a record since.

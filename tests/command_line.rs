@@ -260,7 +260,7 @@ fn what_cannot_be_used_is_refused_with_exit_code_2_and_nothing_is_written() {
         (&[&["analyze"]], "SESSION"),
         (&[&["analyze", "nowhere"]], "expected a session's folder"),
         (&[&["analyze", "study.json"]], "expected a session's folder"),
-        (&[&["replay", "nowhere"]], "--frames"),
+        (&[&["replay", "nowhere"]], "expected a session's folder"),
         (&[&["replay", "nowhere", "--verify"]], "expected a session's folder"),
         (&[&["export", "nowhere", "--format", "csv", "--out", "tables"]], "expected a session's folder"),
         (&[&["export", "nowhere", "--format", "spss", "--out", "tables"]], "csv"),

@@ -6,6 +6,8 @@
 mod common;
 
 use common::{TRUTH, contents, csv_table, run, session, small_study, write_json};
+use parafovea::session::header::FORMAT;
+use parafovea::session::tables::{GazeRow, Layout};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -47,7 +49,7 @@ fn a_run_writes_the_four_files_of_a_session() {
 
     let header: Value = serde_json::from_slice(&read(&session.join("session.json"))).unwrap();
     let study = read(&folder.path().join("study.json"));
-    assert_eq!(header["format"], parafovea::session::header::FORMAT);
+    assert_eq!(header["format"], FORMAT);
     assert_eq!(header["observer"], "P01");
     assert_eq!(header["seed"], 7);
     assert_eq!(header["study"]["text"].as_str().unwrap().as_bytes(), study);
@@ -247,20 +249,22 @@ fn a_replay_draws_what_the_run_showed_and_notices_a_changed_log() {
     let began = events(&session).into_iter().find(|event| event["event"] == "trial-began").unwrap();
     let test_interval = if began["order"][0] == "test" { "interval1" } else { "interval2" };
     let used = frames.iter().find(|frame| frame[2] == "1" && frame[3] == test_interval).unwrap();
+    let mut rows = parafovea::session::SessionFolder::open(&session).unwrap().gaze().unwrap().rows;
+    rows[used[8].parse::<usize>().unwrap()].x_deg += 2.0;
+    let (mut layout, mut changed) = Layout::<GazeRow>::new(FORMAT);
+    rows.iter().for_each(|row| changed += &layout.line(row));
+    // With its CRCs made right again only the pictures can tell; without, the table itself does.
+    let sealed = String::from_utf8(read(&session.join("gaze.csv"))).unwrap();
     let line = used[8].parse::<usize>().unwrap() + 1;
-    let gaze = String::from_utf8(read(&session.join("gaze.csv"))).unwrap();
-    let changed: Vec<String> = gaze
-        .lines()
-        .enumerate()
-        .map(|(number, text)| {
-            let mut cells: Vec<String> = text.split(',').map(ToOwned::to_owned).collect();
-            if number == line {
-                cells[5] = (cells[5].parse::<f64>().unwrap() + 2.0).to_string();
-            }
-            cells.join(",") + "\n"
-        })
-        .collect();
-    std::fs::write(session.join("gaze.csv"), changed.concat()).unwrap();
+    let unsealed = sealed.lines().enumerate().map(|(number, text)| {
+        let crc = text.rsplit(',').next().unwrap();
+        let wrong = if number == line { "1" } else { crc };
+        format!("{},{wrong}\n", &text[..text.len() - crc.len() - 1])
+    });
+    std::fs::write(session.join("gaze.csv"), unsealed.collect::<String>()).unwrap();
+    let failed = run(folder.path(), &["replay", path, "--verify"]).expect(1);
+    assert!(failed.err.contains(&format!("gaze.csv: line {}", line + 1)), "{}", failed.err);
+    std::fs::write(session.join("gaze.csv"), changed).unwrap();
     let failed = run(folder.path(), &["replay", path, "--verify", "--json"]).expect(1);
     assert!(failed.json()["hashes_different"].as_u64().unwrap() >= 1);
     assert_eq!(failed.json()["first_different"].to_string(), used[0]);

@@ -4,6 +4,7 @@ use super::{analyze, inputs, print, replay, run, say};
 use crate::error::LabError;
 use crate::export;
 use crate::replay::Replay;
+use crate::replay::export::Look;
 use crate::resources::Resources;
 use crate::results::fit_sessions;
 use crate::results::over_observers::over_observers;
@@ -76,17 +77,15 @@ pub(super) fn run(args: &DemoArgs) -> Result<(), LabError> {
             &StudyFile { file: STUDY.to_owned(), text: session.header.study.text.clone() },
             Some(&session.display),
         )?;
-        let replayed = Replay::open(session, plan)?;
+        let replayed = Arc::new(Replay::open(session, plan)?);
         let frames = some_frames(&replayed);
         let dir = folder.with_extension("frames");
-        let outcome = replay::draw(&replayed, &Resources::built_in().registry, &frames, Some(&dir), true)?;
-        if outcome.hashes_different > 0 {
-            return Err(LabError::Failed(format!(
-                "{} of {} frames were not the same when drawn again",
-                outcome.hashes_different, outcome.hashes_compared
-            )));
+        let outcome =
+            replay::draw(&replayed, &Resources::built_in().registry, &frames, Some(&dir), Look::default(), true)?;
+        if let Some(failure) = outcome.verdict.and_then(|verdict| verdict.failure()) {
+            return Err(LabError::Failed(failure));
         }
-        say(&format!("   {} frames, all the same as in the run", outcome.hashes_compared));
+        say(&format!("   {} frames, all the same as in the run", outcome.frames));
         pictures = Some(dir);
     }
 

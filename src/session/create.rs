@@ -20,12 +20,11 @@ pub(super) fn new_session(disk: &dyn Disk, data: &Path, header: &Header) -> Resu
     let (partial, folder) = new_folder(disk, data, &base)?;
 
     let mut chain = Chain::start(header.format);
+    let rules = if header.format < 2 { Rules::First } else { Rules::NEWEST };
     let unwritable = |error: serde_json::Error| LabError::Failed(error.to_string());
     let header_sha256 = header.fingerprint().map_err(unwritable)?;
-    let opened = line_from_event(
-        &Stamped { seq: 0, t_s: 0.0, event: Event::Opened { header_sha256, rules: Rules::NEWEST } },
-        &mut chain,
-    );
+    let opened =
+        line_from_event(&Stamped { seq: 0, t_s: 0.0, event: Event::Opened { header_sha256, rules } }, &mut chain);
     let (gaze, gaze_line) = Layout::new(header.format);
     let (frames, frame_line) = Layout::new(header.format);
     let ends = Ends {
