@@ -1,4 +1,4 @@
-//! What the laboratory's parts cost on this machine: a trial of the adaptive procedure and a fit by criterion, then one
+//! What the laboratory's parts cost on this machine: a trial of the adaptive procedure, a fit and the log by criterion, then one
 //! table of frames. `make bench`.
 //!
 //! It measures and judges nothing: it has no limits, and a machine without a graphics device gets the first half.
@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a benchmark tells what it measured")]
 
 mod frames;
+mod log;
 mod trials;
 
 use criterion::Criterion;
@@ -20,6 +21,7 @@ fn main() {
         .measurement_time(Duration::from_secs(4))
         .configure_from_args();
     trials::bench(&mut criterion);
+    log::measure(&mut criterion);
     criterion.final_summary();
     if let Err(error) = frames::print_table(if brief { 1 } else { 10 }) {
         eprintln!("frames were not measured: {error}");

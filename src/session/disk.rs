@@ -31,6 +31,12 @@ pub trait Disk: Debug + Send + Sync {
     /// As the system says.
     fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>>;
 
+    /// The length of the file that has a path now, bytes: a file that is open may have been deleted.
+    ///
+    /// # Errors
+    /// As the system says.
+    fn length_of(&self, path: &Path) -> io::Result<u64>;
+
     /// Gives a folder its name.
     ///
     /// # Errors
@@ -96,6 +102,10 @@ impl Disk for SystemDisk {
 
     fn open(&self, path: &Path) -> io::Result<Box<dyn DiskFile>> {
         Ok(Box::new(SystemFile(OpenOptions::new().write(true).open(path)?)))
+    }
+
+    fn length_of(&self, path: &Path) -> io::Result<u64> {
+        Ok(fs::metadata(path)?.len())
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {

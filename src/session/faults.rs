@@ -187,6 +187,10 @@ impl Disk for FaultyDisk {
         self.wrap(self.attempt(|| SystemDisk.open(path))?)
     }
 
+    fn length_of(&self, path: &Path) -> io::Result<u64> {
+        SystemDisk.length_of(path)
+    }
+
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         self.attempt(|| SystemDisk.rename(from, to))
     }

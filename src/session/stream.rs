@@ -77,7 +77,11 @@ impl Stream {
         }
         self.flush(disk)?;
         let Some(file) = self.file.as_mut() else { return Err(io::ErrorKind::NotConnected.into()) };
-        match file.sync() {
+        let synced = file.sync().and_then(|()| {
+            let length = disk.length_of(&self.path)?;
+            if length == self.durable + self.tail.len() as u64 { Ok(()) } else { Err(io::ErrorKind::NotFound.into()) }
+        });
+        match synced {
             Ok(()) => {
                 self.durable += self.tail.len() as u64;
                 self.tail.clear();

@@ -85,6 +85,10 @@ impl Disk for Shut {
         Ok(Box::new(ShutFile(self.clone(), SystemDisk.open(path)?)))
     }
 
+    fn length_of(&self, path: &Path) -> io::Result<u64> {
+        SystemDisk.length_of(path)
+    }
+
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
         SystemDisk.rename(from, to)
     }
@@ -214,6 +218,27 @@ fn what_a_failed_sync_has_lost_is_written_again() {
         assert_eq!((session.journal.events.len(), session.journal.damage.clone()), (79, None), "seed {seed}");
         assert_eq!(session.gaze().expect("read").rows.len(), 38, "seed {seed}");
     }
+}
+
+/// What is written to a file that somebody has deleted is nowhere. It is not acknowledged until the folder is back.
+#[test]
+fn a_folder_that_is_gone_is_noticed_and_waited_for() {
+    let data = tempfile::tempdir().expect("a folder");
+    let writer = writer(Arc::new(SystemDisk), data.path());
+    writer.gaze(sample(0)).expect("sent");
+    assert!(writer.sync(mark(1, 1)).expect("sent").wait(PATIENCE).expect("works"));
+    let folder = writer.folder().to_owned();
+    let elsewhere = data.path().join("elsewhere");
+    std::fs::rename(&folder, &elsewhere).expect("moved");
+    writer.gaze(sample(1)).expect("sent");
+    let acknowledgement = writer.sync(mark(2, 2)).expect("sent");
+    assert!(!acknowledgement.wait(Duration::from_millis(100)).expect("works"));
+    assert_eq!(writer.trouble().map(|(trouble, _)| trouble), Some(Trouble::Gone));
+    std::fs::rename(&elsewhere, &folder).expect("moved back");
+    assert!(acknowledgement.wait(PATIENCE).expect("works"));
+    writer.close(closed(3, 2), PATIENCE).expect("written");
+    let session = SessionFolder::open(&folder).expect("a session");
+    assert_eq!((session.journal.events.len(), session.gaze().expect("read").rows.len()), (4, 2));
 }
 
 #[test]
