@@ -5,7 +5,7 @@ export XDG_RUNTIME_DIR ?= /tmp
 
 PARAFOVEA = cargo run --release --quiet --
 
-.PHONY: demo test lint docs bench window need
+.PHONY: demo test lint docs bench window fuzz need
 
 demo: need ## Run the calibration with a simulated observer, from pictures to report
 	cargo build --release
@@ -27,6 +27,9 @@ window: need ## Real windows on a virtual display, with injected keys and mouse:
 	tests/window/drive
 	tests/window/tour
 	tests/window/replay
+
+fuzz: ## Ten minutes for each reader of what comes from outside; needs a nightly compiler and cargo-fuzz
+	fuzz/run
 
 need:
 	@scripts/need
