@@ -170,7 +170,7 @@ fn every_mistake_is_named_at_once_and_nothing_is_written() {
         (&["--size", "1x1"], "expected whole pixels from 16 to 16384"),
         (&["--display", "nothing"], "--display nothing: expected a display file"),
         (&["--gaze", "recorded:missing.csv"], "cannot read missing.csv"),
-        (&["--gaze", "up"], "--gaze up: expected sweep, centre or recorded:FILE"),
+        (&["--gaze", "up"], "--gaze up: expected sweep, centre or recorded:SESSION|FILE"),
         (&["--set", "nothing=1"], "--set nothing: expected a parameter"),
         (&["--figure", "savings.svg"], "--figure: expected --quality too"),
         (&["--renderer", "ring", "--quality", "12"], "expected a renderer with a quality index, found ring"),

@@ -95,7 +95,7 @@ fn a_session_is_drawn_with_the_text_it_was_run_with() {
     let path = session.join("session.json");
     let changed = std::fs::read_to_string(&path).unwrap().replace("when it sees no hue", "when it sees no hues");
     std::fs::write(&path, changed).unwrap();
-    assert!(run(here, &verify).expect(2).err.contains("found a changed one"));
+    assert!(run(here, &verify).expect(2).err.contains("does not match its seal"));
 }
 
 /// Puts a study's frames into the middle of a session: it stops, and goes on with the text that it began with.
