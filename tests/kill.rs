@@ -141,7 +141,8 @@ fn run_and_kill(folder: &Path, more: &[&str], random: &mut ChaCha8Rng) -> Witnes
         .spawn()
         .unwrap();
     let told = child.stderr.take().unwrap();
-    let reader = std::thread::spawn(move || std::io::read_to_string(told).unwrap());
+    let reader = std::thread::Builder::new().name("reader".to_owned());
+    let reader = reader.spawn(move || std::io::read_to_string(told).unwrap()).unwrap();
     if !by_operation {
         std::thread::sleep(Duration::from_micros(random.random_range(0..400_000)));
         // SIGKILL; a process that has ended already needs none.

@@ -17,12 +17,10 @@ pub fn changes(name: &str, before: &Value, after: &Value) -> Vec<Change> {
     found
 }
 
-fn walk(
-    field: String,
-    before: Option<&Value>,
-    after: Option<&Value>,
-    found: &mut dyn FnMut(String, Option<&Value>, Option<&Value>),
-) {
+/// What is told of each difference: field, value before, value after.
+type Found<'a> = dyn FnMut(String, Option<&Value>, Option<&Value>) + 'a;
+
+fn walk(field: String, before: Option<&Value>, after: Option<&Value>, found: &mut Found<'_>) {
     match (before, after) {
         (before, after) if before == after => {}
         (Some(Value::Object(a)), Some(Value::Object(b))) => {

@@ -108,7 +108,7 @@ fn gone() -> LabError {
 }
 
 /// Where the files of a session that goes on are sound up to, and what their next lines follow on.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct Ends {
     /// Bytes of the journal, and its chain after them.
     pub events: (u64, Chain),

@@ -1,8 +1,8 @@
 //! BIDS 1.11: what happened as `events`, gaze as eye tracking, one file an eye, under `sub-XX[/ses-YY]/beh/`.
 //!
-//! - [`events`]: `_events.tsv` and what its columns and the display are;
-//! - [`physio`]: `_physio.tsv.gz` and `_physioevents.tsv.gz`;
-//! - [`dataset`]: the files at the root;
+//! - `events`: `_events.tsv` and what its columns and the display are;
+//! - `physio`: `_physio.tsv.gz` and `_physioevents.tsv.gz`;
+//! - `dataset`: the files at the root;
 //! - [`check`]: our own check of the whole tree, which every export passes before it is handed over. It covers what the official
 //!   validator lets pass.
 //!

@@ -1,3 +1,5 @@
+//! Tables: what is written is read, and what was changed is found at its line.
+
 use super::*;
 use crate::gaze::{EyeSample, GazeSample};
 use experiments::Display;
