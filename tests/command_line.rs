@@ -266,7 +266,6 @@ fn what_cannot_be_used_is_refused_with_exit_code_2_and_nothing_is_written() {
         (&[&run_it, &truth, &["--resume", "--seed", "3"]], "--seed"),
         (&[&["doctor"]], "SESSION"),
         (&[&["doctor", "nowhere"]], "expected a session's folder"),
-        (&[&["doctor", "."]], "expected a session's folder"),
         (&[&["doctor", "a", "b", "--repair", "--out", "c"]], "expected one session"),
         (&[&["analyze"]], "SESSION"),
         (&[&["analyze", "nowhere"]], "expected a session's folder"),
