@@ -123,9 +123,22 @@ impl<R: Row> Layout<R> {
 /// The CRC of a row after a line with the CRC `before`.
 fn crc_after(before: u32, row: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
-    hasher.update(before.to_string().as_bytes());
+    hasher.update(digits(before, &mut [0; 10]));
     hasher.update(row);
     hasher.finalize()
+}
+
+/// A number's decimal digits, without an allocation for every row.
+fn digits(mut value: u32, buffer: &mut [u8; 10]) -> &[u8] {
+    let mut at = buffer.len();
+    loop {
+        at -= 1;
+        buffer[at] = b'0' + (value % 10) as u8;
+        value /= 10;
+        if value == 0 {
+            return &buffer[at..];
+        }
+    }
 }
 
 /// A table that was read: its sound rows, and a sentence for the rest.
@@ -238,7 +251,7 @@ fn read_line<R: Row>(line: &[u8], columns: usize, before: Option<u32>) -> Result
             let (row, said) = text.rsplit_once(',').ok_or_else(|| "expected a row with its CRC".to_owned())?;
             let found = crc_after(before, row.as_bytes());
             // As text, so that no other way to write the same number passes.
-            if found.to_string() != said {
+            if digits(found, &mut [0; 10]) != said.as_bytes() {
                 return Err(format!("expected CRC {said}, found {found}"));
             }
             (row, Some(found))

@@ -90,6 +90,9 @@ fn gaze_reads_back_and_lost_samples_stay_lost() {
 #[test]
 fn the_crc_is_what_it_is_said_to_be() {
     assert_eq!(crc_after(123_456_789, b"0,7"), 0xd232_7305);
+    for value in [0, 7, 10, 4_294_967_295] {
+        assert_eq!(digits(value, &mut [0; 10]), value.to_string().as_bytes());
+    }
 }
 
 /// Every flipped bit, dropped line and swapped pair of lines is found at its line, and all rows before it are kept.
