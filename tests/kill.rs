@@ -116,6 +116,8 @@ struct Witness {
     /// Completed trials that it said are on disk, since it began.
     acknowledged: usize,
     finished: bool,
+    /// Whether it ended by the signal; an injected error may also make it give up by itself.
+    killed: bool,
 }
 
 /// Runs a process on a disk that fails, and kills it: at one operation of the disk, or at a time.
@@ -148,11 +150,15 @@ fn run_and_kill(folder: &Path, more: &[&str], random: &mut ChaCha8Rng) -> Witnes
         // SIGKILL; a process that has ended already needs none.
         let _ = child.kill();
     }
-    let finished = child.wait().unwrap().success();
+    let status = child.wait().unwrap();
     let told = reader.join().unwrap();
     assert!(!told.contains("panicked"), "{faults}: {told}");
     let number = |line: &str| line.split("on disk: ").nth(1)?.split(' ').next()?.parse().ok();
-    Witness { acknowledged: told.lines().filter_map(number).max().unwrap_or(0), finished }
+    Witness {
+        acknowledged: told.lines().filter_map(number).max().unwrap_or(0),
+        finished: status.success(),
+        killed: status.code().is_none(),
+    }
 }
 
 /// Sessions are run on a disk that writes short, is full and fails, and are killed in the middle of writes, syncs and
@@ -165,7 +171,7 @@ fn sessions_that_are_killed_anywhere_lose_nothing_and_end_like_unbroken_ones() {
     write_json(folder.path(), "study.json", &small_study("small", 1));
     let data = folder.path().join("data");
     let mut random = random();
-    let (mut kills, mut sessions, mut acknowledged, mut repeated, mut torn) = (0, 0, 0, 0, 0);
+    let (mut kills, mut gave_up, mut sessions, mut acknowledged, mut repeated, mut torn) = (0, 0, 0, 0, 0, 0);
     while kills < KILLS {
         let seed = random.random_range(0..1_000_000).to_string();
         let unbroken = session(folder.path(), "study.json", "unbroken", seed.parse().unwrap(), &["--no-render"]);
@@ -174,9 +180,10 @@ fn sessions_that_are_killed_anywhere_lose_nothing_and_end_like_unbroken_ones() {
         loop {
             let begun = data.is_dir() && !visible(&data).is_empty();
             let more = if begun { vec!["--resume"] } else { vec!["--seed", &seed] };
-            let Witness { acknowledged: now, finished } = run_and_kill(folder.path(), &more, &mut random);
+            let Witness { acknowledged: now, finished, killed } = run_and_kill(folder.path(), &more, &mut random);
             known += now;
-            kills += usize::from(!finished);
+            kills += usize::from(killed);
+            gave_up += usize::from(!killed && !finished);
             let Some(path) = visible(&data).into_iter().next() else {
                 assert_eq!(known, 0, "a session that never began had nothing to say");
                 continue;
@@ -205,7 +212,7 @@ fn sessions_that_are_killed_anywhere_lose_nothing_and_end_like_unbroken_ones() {
         std::fs::remove_dir_all(folder.path().join("unbroken")).unwrap();
     }
     println!(
-        "{kills} kills in {sessions} sessions, {torn} torn ends; 0 lost of {acknowledged} acknowledged answers, {repeated} \
+        "{kills} kills and {gave_up} starts that the disk refused in {sessions} sessions, {torn} torn ends; 0 lost of {acknowledged} acknowledged answers, {repeated} \
          interrupted trials repeated"
     );
 }
