@@ -111,7 +111,7 @@ pub(super) fn run(args: &RunArgs) -> Result<(), LabError> {
     let unfinished = newest.filter(|session| !session.record.is_over());
     // What was begun goes on with the files that it was begun with.
     let resources = match unfinished.as_ref().filter(|_| args.resume) {
-        Some(session) => Resources::recorded(&session.header)?,
+        Some(session) => Resources::of_session(session)?,
         None => Resources::of(&study),
     };
     let whole = resources.plan(&study.file, &study.text, display.as_ref())?;

@@ -31,7 +31,7 @@ pub(super) fn look_at(session: &SessionFolder, found: &mut Findings) {
 
 /// The plan as it was in force at the session's end.
 fn plan(session: &SessionFolder) -> Result<Plan, LabError> {
-    let resources = Resources::recorded(&session.header)?;
+    let resources = Resources::of_session(session)?;
     let file = format!("{} (study)", session.path.join(names::HEADER).display());
     let plan = resources.plan(&file, session.study_text(), Some(&session.display_now()?))?;
     plan.assigned(&session.header.assignment).map_err(|error| LabError::BadInput(format!("{file}: {error}")))
