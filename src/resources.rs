@@ -5,8 +5,8 @@
 //! must still have the hash that it had.
 
 use crate::error::LabError;
+use crate::session::SessionFolder;
 use crate::session::header::{FileHash, FileRecord, sha256_hex};
-use crate::session::{Header, SessionFolder};
 use crate::stage::launch::StudyFile;
 use experiments::Display;
 use experiments::catalogue::RefusedFile;
@@ -82,19 +82,12 @@ impl Resources {
         Self { registry: Arc::new(registry), files, mistakes }
     }
 
-    /// What a session was run with, from its header.
+    /// What a session was run with, from its header. Files may have moved with it: those that are not where they were are
+    /// looked for from the session's folder, the folders around it and the current folder on, and taken if they hold what
+    /// they held.
     ///
     /// # Errors
     /// Every file that is gone or not what it was, by name.
-    pub fn recorded(header: &Header) -> Result<Self, LabError> {
-        Self::from_records(&header.files)
-    }
-
-    /// The same for a session whose files may have moved with it: those that are not where they were are looked for from
-    /// the session's folder, the folders around it and the current folder on, and taken if they hold what they held.
-    ///
-    /// # Errors
-    /// As [`Resources::recorded`].
     pub fn of_session(session: &SessionFolder) -> Result<Self, LabError> {
         let here = session.path.canonicalize().unwrap_or_else(|_| session.path.clone());
         let around = here.ancestors().take(FOLDERS_AROUND).map(Path::to_owned);

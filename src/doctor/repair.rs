@@ -2,6 +2,7 @@
 
 use super::Severity;
 use crate::error::LabError;
+use crate::export::staging;
 use crate::session::journal::line_from_event;
 use crate::session::tables::{FrameRow, GazeRow, Layout, Row};
 use crate::session::{SessionFolder, names};
@@ -46,13 +47,8 @@ pub fn repair(path: &Path, to: Option<&Path>) -> Result<PathBuf, LabError> {
     let mut chain = session.journal.chain;
     events.extend(line_from_event(&mark, &mut chain).into_bytes());
 
-    let partial = to.with_file_name(format!(
-        ".{}.partial",
-        to.file_name().map_or_else(|| "repaired".into(), |name| name.to_string_lossy())
-    ));
     let format = session.header.format;
-    let write = || -> Result<(), LabError> {
-        fs::create_dir_all(&partial).map_err(|error| LabError::io("make", &partial, &error))?;
+    staging::whole(&to, |partial| {
         for (name, bytes) in [
             (names::HEADER, read(names::HEADER)?),
             (names::EVENTS, events),
@@ -64,14 +60,9 @@ pub fn repair(path: &Path, to: Option<&Path>) -> Result<PathBuf, LabError> {
                 .and_then(|()| fs::File::open(&file)?.sync_all())
                 .map_err(|error| LabError::io("write", &file, &error))?;
         }
-        fs::rename(&partial, &to).map_err(|error| LabError::io("make", &to, &error))
-    };
-    let written = write();
-    if written.is_err() {
-        // The error that is returned says what went wrong; a leftover folder is only untidy.
-        let _ = fs::remove_dir_all(&partial);
-    }
-    written.map(|()| to)
+        Ok(())
+    })?;
+    Ok(to)
 }
 
 fn beside(session: &SessionFolder) -> PathBuf {
